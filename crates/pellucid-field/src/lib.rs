@@ -1,0 +1,22 @@
+//! What is measured.
+//!
+//! A [`Volume`] is a regular [`Grid`] of samples with 1 to 4 components per voxel, stored in its
+//! own type ([`Voxels`]) and placed in the world by one affine, `world_from_index`. Nothing here
+//! knows about colour, files or cameras.
+//!
+//! Conventions, obeyed by every crate above this one:
+//!
+//! - Voxels are samples **at** integer index points; x is fastest in memory.
+//! - A value that is not finite is *absent*: it has no opacity, no part in a projection, and its
+//!   neighbours take one-sided gradients.
+//! - Spacing, direction, mirroring and origin live in the affine and nowhere else.
+
+mod error;
+mod grid;
+mod volume;
+mod voxels;
+
+pub use error::{FieldError, Warning};
+pub use grid::Grid;
+pub use volume::{Statistics, ValueMap, Volume};
+pub use voxels::{Buffer, Voxel, VoxelType, Voxels};

@@ -1,0 +1,1 @@
+//! What to draw: the scene document, its schema, validation and the frame that comes out.

@@ -1,0 +1,1 @@
+//! Volume graphics: scalar fields in, light out.
