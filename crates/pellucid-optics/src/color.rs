@@ -101,6 +101,14 @@ impl Color {
         }
     }
 
+    /// The sRGB-encoded colour, the numbers read in `space`.
+    pub(crate) fn to_srgb(self, space: ColorSpace) -> Self {
+        match space {
+            ColorSpace::Srgb => self,
+            ColorSpace::Linear => Self(self.0.map(|v| srgb_encode(v).min(1.0))),
+        }
+    }
+
     /// Linear interpolation of the numbers, whatever space they are in.
     pub(crate) fn lerp(self, to: Self, t: f32) -> Self {
         Self(std::array::from_fn(|channel| self.0[channel] + (to.0[channel] - self.0[channel]) * t))

@@ -86,3 +86,13 @@ pub(crate) fn checked(
     }
     Err(OpticsError::Parameter { name, found, expected })
 }
+
+/// The answer to a name that is not among those known.
+pub(crate) fn unknown_name<'a>(
+    kind: &'static str,
+    found: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> OpticsError {
+    let known = known.into_iter().collect::<Vec<_>>().join(", ");
+    OpticsError::Name { kind, found: found.to_owned(), known }
+}
