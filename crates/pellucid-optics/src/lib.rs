@@ -1,1 +1,45 @@
-//! What it looks like: transfer functions, pre-integration, colour, materials and lights, as pure functions and tables.
+//! What it looks like: transfer functions, pre-integration, colour, materials and lights, as pure
+//! functions and tables that every backend shares.
+//!
+//! An opacity holds for a length, its unit distance ([`correct_opacity`]); colours in the renderer
+//! are linear RGB. A [`TransferFunction`] is what the user writes; a [`Table`] is its sampled
+//! form, a [`StepTable`] what a ray marcher looks up and a [`PreIntegration`] what it looks up
+//! for whole segments. Values that are not finite are absent: they have no opacity.
+
+mod color;
+mod colormap;
+mod control_point;
+mod error;
+mod light;
+mod lighting;
+mod material;
+mod nodes;
+mod opacity;
+mod opacity_shapes;
+mod polyline;
+mod preintegration;
+mod presets;
+mod segment;
+mod shading;
+mod slicer;
+mod table;
+mod transfer_function;
+mod visibility;
+
+pub use color::{Color, ColorSpace, luminance, srgb_decode, srgb_encode, srgb8};
+pub use colormap::ColorMap;
+pub use control_point::{ColorPoint, Interpolation, OpacityPoint};
+pub use error::OpticsError;
+pub use light::{Falloff, Frame, Incident, Light, LightKind, ResolvedLight};
+pub use lighting::Lighting;
+pub use material::Material;
+pub use nodes::{DataRange, Nodes};
+pub use opacity::{correct_associated, correct_opacity, extinction, opacity_from_extinction, over};
+pub use opacity_shapes::{opacity_shape, opacity_shape_names};
+pub use preintegration::PreIntegration;
+pub use presets::{Modality, Preset, Scale};
+pub use shading::{GradientWeight, blinn_phong};
+pub use slicer::{SlicerWarning, VolumeProperty};
+pub use table::{StepTable, Table};
+pub use transfer_function::TransferFunction;
+pub use visibility::Visibility;

@@ -1,0 +1,98 @@
+//! Errors about optical properties.
+
+/// Why an optical property cannot be used as given.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OpticsError {
+    /// A colour that is not `#rrggbb` or three numbers in 0..=1.
+    #[error("colour {found}: expected \"#rrggbb\" or [r, g, b] with numbers from 0 to 1")]
+    Color {
+        /// What was given.
+        found: String,
+    },
+    /// A list of control points has no points.
+    #[error("{list} has no points: at least one is needed")]
+    NoPoints {
+        /// The list.
+        list: &'static str,
+    },
+    /// One control point cannot be used.
+    #[error("{list}, point {index} (value {value}): {problem}")]
+    Point {
+        /// The list the point is in.
+        list: &'static str,
+        /// Its position in the list, from 0.
+        index: usize,
+        /// Its data value.
+        value: f64,
+        /// What is wrong with it and what is expected.
+        problem: String,
+    },
+    /// A numeric setting is outside its range.
+    #[error("{name} is {found}: expected {expected}")]
+    Parameter {
+        /// The setting.
+        name: &'static str,
+        /// Its value.
+        found: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// An interval is empty, reversed or not finite.
+    #[error("{name} [{}, {}]: expected finite numbers, the second {expected} the first", found[0], found[1])]
+    Interval {
+        /// The setting.
+        name: &'static str,
+        /// The interval.
+        found: [f64; 2],
+        /// How its ends must relate: "above" or "not below".
+        expected: &'static str,
+    },
+    /// A direction without length.
+    #[error("{name} [{}, {}, {}]: expected finite numbers that are not all zero", found[0], found[1], found[2])]
+    Direction {
+        /// The setting.
+        name: &'static str,
+        /// The direction.
+        found: [f64; 3],
+    },
+    /// A name that is not in the list it should be from.
+    #[error("{kind} \"{found}\" is unknown; known are: {known}")]
+    Name {
+        /// What the name is for.
+        kind: &'static str,
+        /// The name.
+        found: String,
+        /// The names there are, comma separated.
+        known: String,
+    },
+    /// A volume-property file that cannot be read.
+    #[error("volume property file: {problem}")]
+    VolumeProperty {
+        /// What is wrong with it, with line and column where known.
+        problem: String,
+    },
+}
+
+/// Passes a number within `range` on; anything else, NaN included, is an error.
+pub(crate) fn checked(
+    name: &'static str,
+    found: f64,
+    range: std::ops::RangeInclusive<f64>,
+    expected: &'static str,
+) -> Result<(), OpticsError> {
+    if found.is_finite() && range.contains(&found) {
+        return Ok(());
+    }
+    Err(OpticsError::Parameter { name, found, expected })
+}
+
+/// The answer to a name that is not among those known.
+pub(crate) fn unknown_name<'a>(
+    kind: &'static str,
+    found: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> OpticsError {
+    let known = known.into_iter().collect::<Vec<_>>().join(", ");
+    OpticsError::Name { kind, found: found.to_owned(), known }
+}

@@ -1,0 +1,232 @@
+//! Lights, as they stand in a document and as they reach a point (5.2).
+
+use glam::{DAffine3, DVec3, Vec3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::error::checked;
+use crate::{Color, ColorSpace, OpticsError};
+
+/// What a light's position and direction are relative to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Frame {
+    /// The world: the light stays where it is (default).
+    #[default]
+    World,
+    /// The camera, which looks along -z with y up: the light moves with the eye.
+    Camera,
+}
+
+/// How a light weakens with distance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Falloff {
+    /// Not at all (default).
+    #[default]
+    None,
+    /// As light does, with the square of the distance. `reference` is the distance in world units
+    /// at which the light has its intensity.
+    InverseSquare {
+        /// Positive, in world units.
+        reference: f64,
+    },
+}
+
+/// Where a light shines from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum LightKind {
+    /// From infinitely far away (5.2-3).
+    Directional {
+        /// The way the light travels, towards the scene; any length but zero.
+        direction: [f64; 3],
+    },
+    /// From a point, all around (5.2-1).
+    Point {
+        /// In world units.
+        position: [f64; 3],
+        /// Default none.
+        #[serde(default)]
+        falloff: Falloff,
+    },
+    /// From a point, into a cone with a soft edge (5.2-2).
+    Spot {
+        /// In world units.
+        position: [f64; 3],
+        /// The axis of the cone, away from the light; any length but zero.
+        direction: [f64; 3],
+        /// Full intensity up to this angle from the axis, in degrees, 0 to 180.
+        inner_angle: f64,
+        /// Nothing from this angle on, in degrees, from the inner angle to 180.
+        outer_angle: f64,
+        /// Default none.
+        #[serde(default)]
+        falloff: Falloff,
+    },
+}
+
+/// A light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Light {
+    /// Where it shines from.
+    pub kind: LightKind,
+    /// Its colour, sRGB-encoded; default white.
+    #[serde(default = "white")]
+    pub color: Color,
+    /// Factor of the colour; default 1, not negative.
+    #[serde(default = "one")]
+    #[schemars(range(min = 0.0))]
+    pub intensity: f32,
+    /// What position and direction are relative to; default the world.
+    #[serde(default)]
+    pub frame: Frame,
+    /// Whether it makes highlights; default true. Fill lights do not.
+    #[serde(default = "yes")]
+    pub specular: bool,
+}
+
+fn white() -> Color {
+    Color::WHITE
+}
+
+fn one() -> f32 {
+    1.0
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl Light {
+    /// A white light of intensity 1 in the world.
+    pub fn new(kind: LightKind) -> Self {
+        Self { kind, color: white(), intensity: one(), frame: Frame::default(), specular: yes() }
+    }
+
+    /// The light ready for use, in world coordinates; `world_from_camera` places the camera.
+    ///
+    /// # Errors
+    /// [`OpticsError::Direction`] and [`OpticsError::Parameter`] name the first setting that is
+    /// out of range or not finite.
+    pub fn resolve(&self, world_from_camera: DAffine3) -> Result<ResolvedLight, OpticsError> {
+        checked("light intensity", self.intensity as f64, 0.0..=f32::MAX as f64, "0 or more")?;
+        let world = match self.frame {
+            Frame::World => DAffine3::IDENTITY,
+            Frame::Camera => world_from_camera,
+        };
+        let direction = |found: [f64; 3]| {
+            // Normalised first, so that no length is too short or too long to be transformed.
+            let own = DVec3::from_array(found).try_normalize();
+            let direction = own.and_then(|own| world.transform_vector3(own).try_normalize());
+            direction
+                .map(|direction| direction.as_vec3())
+                .ok_or(OpticsError::Direction { name: "light direction", found })
+        };
+        let position = |found: [f64; 3]| {
+            found.iter().try_for_each(|&v| {
+                checked("light position", v, -f32::MAX as f64..=f32::MAX as f64, "finite coordinates")
+            })?;
+            Ok(world.transform_point3(DVec3::from_array(found)).as_vec3())
+        };
+        let reference = |falloff| match falloff {
+            Falloff::None => Ok(None),
+            Falloff::InverseSquare { reference } => {
+                checked("light reference distance", reference, 1e-12..=1e12, "a length in world units")?;
+                Ok(Some(reference as f32))
+            }
+        };
+        let shape = match self.kind {
+            LightKind::Directional { direction: d } => Shape::Directional { to_light: -direction(d)? },
+            LightKind::Point { position: p, falloff } => {
+                Shape::Local { position: position(p)?, reference: reference(falloff)?, cone: None }
+            }
+            LightKind::Spot { position: p, direction: d, inner_angle, outer_angle, falloff } => {
+                checked("inner angle of a spot light", inner_angle, 0.0..=180.0, "0 to 180 degrees")?;
+                checked(
+                    "outer angle of a spot light",
+                    outer_angle,
+                    inner_angle..=180.0,
+                    "the inner angle to 180 degrees",
+                )?;
+                let [inner, outer] = [inner_angle, outer_angle].map(|angle| angle.to_radians().cos() as f32);
+                let cone = Cone { axis: direction(d)?, inner, outer };
+                Shape::Local { position: position(p)?, reference: reference(falloff)?, cone: Some(cone) }
+            }
+        };
+        let radiance = self.color.to_linear(ColorSpace::Srgb).map(|v| v * self.intensity);
+        Ok(ResolvedLight { shape, radiance, specular: self.specular })
+    }
+}
+
+/// A light in world coordinates and linear light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResolvedLight {
+    shape: Shape,
+    radiance: [f32; 3],
+    specular: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shape {
+    Directional { to_light: Vec3 },
+    Local { position: Vec3, reference: Option<f32>, cone: Option<Cone> },
+}
+
+/// Cosines, so that no angle has to be computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cone {
+    axis: Vec3,
+    inner: f32,
+    outer: f32,
+}
+
+/// A light as it reaches a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Incident {
+    /// Unit vector from the point to the light; zero where the point is the light.
+    pub to_light: Vec3,
+    /// Linear RGB, nothing where the light does not reach.
+    pub radiance: [f32; 3],
+    /// Whether it makes highlights.
+    pub specular: bool,
+}
+
+impl ResolvedLight {
+    /// The light at a point of the world, if nothing is in between.
+    pub fn incident(&self, at: Vec3) -> Incident {
+        let (to_light, strength) = match self.shape {
+            Shape::Directional { to_light } => (to_light, 1.0),
+            Shape::Local { position, reference, cone } => {
+                let path = position - at;
+                let distance = path.length();
+                // At the light itself there is no direction it could come from.
+                if !(distance.is_finite() && distance > 1e-12) {
+                    (Vec3::ZERO, 0.0)
+                } else {
+                    let to_light = path / distance;
+                    // Bounded, as overflow next to the light would become NaN.
+                    let falloff = reference.map_or(1.0, |r| (r / distance).powi(2).min(1e12));
+                    (to_light, falloff * cone.map_or(1.0, |cone| cone.strength(-to_light)))
+                }
+            }
+        };
+        Incident { to_light, radiance: self.radiance.map(|v| v * strength), specular: self.specular }
+    }
+}
+
+impl Cone {
+    /// 1 within the inner angle, 0 outside the outer one, smooth in between.
+    fn strength(&self, direction: Vec3) -> f32 {
+        let cosine = self.axis.dot(direction);
+        if cosine >= self.inner {
+            return 1.0;
+        }
+        if cosine <= self.outer {
+            return 0.0;
+        }
+        let t = (cosine - self.outer) / (self.inner - self.outer);
+        t * t * (3.0 - 2.0 * t)
+    }
+}
