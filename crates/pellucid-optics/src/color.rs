@@ -11,7 +11,7 @@ use crate::control_point::exactly;
 
 /// The space colours are given and interpolated in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "snake_case")]
 pub enum ColorSpace {
     /// The numbers are sRGB-encoded, as in colour pickers, colour maps and web pages (default).
     #[default]

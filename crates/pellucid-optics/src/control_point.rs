@@ -12,7 +12,7 @@ use crate::{Color, OpticsError};
 
 /// How a curve runs from one control point to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "snake_case")]
 pub enum Interpolation {
     /// Straight (default).
     #[default]

@@ -9,7 +9,7 @@ use crate::{Color, ColorSpace, OpticsError};
 
 /// What a light's position and direction are relative to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "snake_case")]
 pub enum Frame {
     /// The world: the light stays where it is (default).
     #[default]
@@ -20,7 +20,7 @@ pub enum Frame {
 
 /// How a light weakens with distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Falloff {
     /// Not at all (default).
     #[default]
@@ -35,7 +35,7 @@ pub enum Falloff {
 
 /// Where a light shines from.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum LightKind {
     /// From infinitely far away (5.2-3).
     Directional {

@@ -70,7 +70,7 @@ impl Nodes {
     ///   exact at every voxel; where that makes fewer than 256 nodes, each level is subdivided
     ///   evenly.
     /// - For other data nodes are doubled from 256 until the largest deviation between table and
-    ///   curve is below 1/1024, or 16,384 (256 KiB: in second-level cache) are reached; then a peak
+    ///   curve is below 1/8192, or 16,384 (256 KiB: in second-level cache) are reached; then a peak
     ///   as narrow as 0.5 % of the domain is off by 0.005. Four times as many would bring that to
     ///   0.001 and make random look-ups half as slow again (`examples/measure_tables.rs`). A jump has such an error at any size and
     ///   asks for the most: it becomes a ramp of 1/16,383 of the domain.
@@ -108,7 +108,7 @@ impl Nodes {
     }
 
     fn by_error(tf: &TransferFunction, hull: [f64; 2], range: [f64; 2]) -> Result<Self, OpticsError> {
-        const TOLERANCE: f32 = 1.0 / 1024.0;
+        const TOLERANCE: f32 = 1.0 / 8192.0;
         const MOST: usize = 16_384;
         let mut count = if tf.jumps() { MOST } else { Self::FEWEST };
         loop {

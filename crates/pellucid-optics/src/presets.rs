@@ -11,7 +11,7 @@ use crate::{GradientWeight, Material, OpticsError, TransferFunction};
 
 /// Where data come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "snake_case")]
 pub enum Modality {
     /// X-ray computed tomography of patients, in Hounsfield units.
     Ct,
@@ -25,7 +25,7 @@ pub enum Modality {
 
 /// What the values of a preset are.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Scale {
     /// Data values in a unit that means the same in every data set.
     Absolute {

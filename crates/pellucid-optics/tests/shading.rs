@@ -65,7 +65,7 @@ fn documented_defaults() {
     let tilt = |shininess: f32| 0.5f32.powf(1.0 / shininess).acos().to_degrees();
     assert!((tilt(30.0) - 12.0).abs() < 0.5 && (tilt(100.0) - 7.0).abs() < 0.5);
 
-    let light: Light = serde_json::from_str(r#"{ "kind": { "type": "point", "position": [1, 2, 3] } }"#).unwrap();
+    let light: Light = serde_json::from_str(r#"{ "kind": { "point": { "position": [1, 2, 3] } } }"#).unwrap();
     assert_eq!(light, Light::new(LightKind::Point { position: [1.0, 2.0, 3.0], falloff: Falloff::None }));
     assert_eq!((light.color, light.intensity, light.frame, light.specular), (Color::WHITE, 1.0, Frame::World, true));
 
@@ -80,14 +80,14 @@ fn documented_defaults() {
 
 #[test]
 fn documents_round_trip_and_reject_what_they_do_not_know() {
-    let spot = r##"{ "kind": { "type": "spot", "position": [0, 0, 9], "direction": [0, 0, -1], "inner_angle": 10,
-        "outer_angle": 20, "falloff": { "inverse-square": { "reference": 9 } } }, "color": "#ff8000", "frame": "camera" }"##;
+    let spot = r##"{ "kind": { "spot": { "position": [0, 0, 9], "direction": [0, 0, -1], "inner_angle": 10,
+        "outer_angle": 20, "falloff": { "inverse_square": { "reference": 9 } } } }, "color": "#ff8000", "frame": "camera" }"##;
     let light: Light = serde_json::from_str(spot).unwrap();
     assert_eq!(serde_json::from_str::<Light>(&serde_json::to_string(&light).unwrap()).unwrap(), light);
     for bad in [
-        r#"{ "kind": { "type": "directional", "direction": [0, 0, 1], "position": [0, 0, 0] } }"#,
-        r#"{ "kind": { "type": "sun" } }"#,
-        r#"{ "kind": { "type": "directional", "direction": [0, 0, 1] }, "colour": "red" }"#,
+        r#"{ "kind": { "directional": { "direction": [0, 0, 1], "position": [0, 0, 0] } } }"#,
+        r#"{ "kind": { "sun": {} } }"#,
+        r#"{ "kind": { "directional": { "direction": [0, 0, 1] } }, "colour": "red" }"#,
     ] {
         assert!(serde_json::from_str::<Light>(bad).is_err(), "{bad}");
     }
