@@ -1,6 +1,6 @@
 //! The values of a volume on their way into a file.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use bytemuck::{NoUninit, cast_slice};
@@ -31,21 +31,24 @@ pub(crate) enum Packing {
     Zlib(u8),
 }
 
-/// Writes the values in their [`written_type`], native order, components interleaved.
-pub(crate) fn write_body(path: &Path, out: &mut impl Write, volume: &Volume, packing: Packing) -> Result<(), IoError> {
+/// Writes the values in their [`written_type`], native order, components interleaved; the position
+/// after them.
+fn write_body(file: &mut AtomicFile, volume: &Volume, packing: Packing) -> io::Result<u64> {
     let level = |level: u8| Compression::new(level.clamp(1, 9).into());
     match packing {
-        Packing::Plain => write_interleaved(out, volume),
+        Packing::Plain => write_interleaved(file, volume)?,
         Packing::Gzip(n) => {
-            let mut encoder = GzEncoder::new(out, level(n));
-            write_interleaved(&mut encoder, volume).and_then(|()| encoder.finish().map(drop))
+            let mut encoder = GzEncoder::new(&mut *file, level(n));
+            write_interleaved(&mut encoder, volume)?;
+            encoder.finish()?;
         }
         Packing::Zlib(n) => {
-            let mut encoder = ZlibEncoder::new(out, level(n));
-            write_interleaved(&mut encoder, volume).and_then(|()| encoder.finish().map(drop))
+            let mut encoder = ZlibEncoder::new(&mut *file, level(n));
+            write_interleaved(&mut encoder, volume)?;
+            encoder.finish()?;
         }
     }
-    .map_err(IoError::io(path))
+    file.stream_position()
 }
 
 /// Values as they are in memory.
@@ -86,28 +89,46 @@ fn write_each<T: NoUninit>(out: &mut impl Write, mut values: impl Iterator<Item 
     }
 }
 
-/// Writes a header and the values after it, or, if a data file is named, into that one beside it.
-/// Both appear together or not at all.
-pub(crate) fn write_files(
-    path: &Path,
-    header: &[u8],
-    data_file: Option<&Path>,
-    volume: &Volume,
-    packing: Packing,
-) -> Result<(), IoError> {
-    let mut file = AtomicFile::create(path)?;
-    file.write_all(header).map_err(IoError::io(path))?;
-    let Some(data_path) = data_file else {
-        write_body(path, &mut file, volume, packing)?;
-        return file.commit();
-    };
-    let mut data = AtomicFile::create(data_path)?;
-    write_body(data_path, &mut data, volume, packing)?;
-    data.commit()?;
-    file.commit().inspect_err(|_| {
-        // A header that cannot be replaced must not leave its data behind.
-        let _ = std::fs::remove_file(data_path);
-    })
+/// A header and where to store the values that it describes.
+pub(crate) struct Files<'a> {
+    pub path: &'a Path,
+    pub header: &'a [u8],
+    /// Where in the header to fill in the size of the stored values, [`SIZE_DIGITS`] wide.
+    pub size_at: Option<u64>,
+    /// The values' own file; without one they follow the header.
+    pub data_file: Option<&'a Path>,
+    pub packing: Packing,
+}
+
+/// Room for the digits of any size.
+pub(crate) const SIZE_DIGITS: usize = 20;
+
+impl Files<'_> {
+    /// Writes all files; they appear together or not at all.
+    pub fn write(&self, volume: &Volume) -> Result<(), IoError> {
+        let mut file = AtomicFile::create(self.path)?;
+        file.write_all(self.header).map_err(IoError::io(self.path))?;
+        let Some(data_path) = self.data_file else {
+            let size = write_body(&mut file, volume, self.packing).map_err(IoError::io(self.path))?;
+            self.fill_in(&mut file, size - self.header.len() as u64)?;
+            return file.commit();
+        };
+        let mut data = AtomicFile::create(data_path)?;
+        let size = write_body(&mut data, volume, self.packing).map_err(IoError::io(data_path))?;
+        self.fill_in(&mut file, size)?;
+        data.commit()?;
+        file.commit().inspect_err(|_| {
+            // A header that cannot be replaced must not leave its data behind.
+            let _ = std::fs::remove_file(data_path);
+        })
+    }
+
+    fn fill_in(&self, file: &mut AtomicFile, size: u64) -> Result<(), IoError> {
+        let Some(at) = self.size_at else { return Ok(()) };
+        let digits = format!("{size:<SIZE_DIGITS$}");
+        let written = file.seek(SeekFrom::Start(at)).and_then(|_| file.write_all(digits.as_bytes()));
+        written.map_err(IoError::io(self.path))
+    }
 }
 
 /// Lengthens a header by a comment, so that the values after `tail` more bytes are aligned for

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 use pellucid_field::{ValueMap, Volume, VoxelType, Warning};
 
-use crate::body::{Packing, align, write_files, written_type};
+use crate::body::{Files, Packing, SIZE_DIGITS, align, written_type};
 use crate::options::plain_extension;
 use crate::{Endian, IoError, WriteOptions};
 
@@ -66,9 +66,18 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
     tag("ElementType", tag_type);
     let name = data_file.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy());
     let last = format!("ElementDataFile = {}\n", name.as_deref().unwrap_or("LOCAL"));
+    // The MetaIO library cannot unpack local data without their size, which is known only at the end.
+    let size_at = options.compression.map(|_| {
+        header.push_str("CompressedDataSize = ");
+        let at = header.len() as u64;
+        header.push_str(&" ".repeat(SIZE_DIGITS));
+        header.push('\n');
+        at
+    });
     align(&mut header, "Comment = aligned", last.len());
     header.push_str(&last);
-    write_files(path, header.as_bytes(), data_file.as_deref(), volume, packing)?;
+    let (header, data_file) = (header.as_bytes(), data_file.as_deref());
+    Files { path, header, size_at, data_file, packing }.write(volume)?;
     Ok(warnings)
 }
 

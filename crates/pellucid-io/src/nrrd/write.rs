@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 use pellucid_field::{ValueMap, Volume, VoxelType, Warning};
 
-use crate::body::{Packing, align, write_files, written_type};
+use crate::body::{Files, Packing, align, written_type};
 use crate::options::plain_extension;
 use crate::{Endian, IoError, WriteOptions};
 
@@ -74,7 +74,8 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
     }
     align(&mut header, "#", 1);
     header.push('\n');
-    write_files(path, header.as_bytes(), data_file.as_deref(), volume, packing)?;
+    let (header, data_file) = (header.as_bytes(), data_file.as_deref());
+    Files { path, header, size_at: None, data_file, packing }.write(volume)?;
     Ok(warnings)
 }
 

@@ -124,8 +124,7 @@ pub fn read_png(path: impl AsRef<Path>) -> Result<Picture, IoError> {
     let info = reader.info();
     let (width, height) = (info.width, info.height);
     // Linear data state a gamma of 1; whatever else files state is close to sRGB.
-    let gamma = info.source_gamma.filter(|_| info.srgb.is_none());
-    let is_linear = gamma.is_some_and(|gamma| (gamma.into_value() - 1.0).abs() < 0.01);
+    let is_linear = info.gamma().is_some_and(|gamma| (gamma.into_value() - 1.0).abs() < 0.01);
     let row = u64::from(width) * info.bits_per_pixel() as u64 / 8;
     let (needed, most) = (row * u64::from(height), source.bytes().len() as u64 * 1032);
     if needed > most {

@@ -1,6 +1,9 @@
 //! What the tests of several formats share.
 #![allow(dead_code, reason = "every test file uses its own part")]
 
+pub mod nifti;
+pub mod seeds;
+
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
 use half::f16;
 use pellucid_field::{Grid, Volume, VoxelType, Voxels, Warning};
