@@ -1,1 +1,55 @@
 //! Volume files in and out (NRRD, MetaImage, NIfTI, raw) and pictures (PNG, EXR).
+//!
+//! [`read`] recognises a volume file by its content and returns a [`Loaded`]: the volume in its
+//! stored type, and a warning for everything that was converted, guessed or ignored.
+//! [`write`](write()) stores a volume in the format its extension names.
+//!
+//! ```no_run
+//! use pellucid_io::{ReadOptions, WriteOptions, read, write};
+//!
+//! # fn main() -> Result<(), pellucid_io::IoError> {
+//! let loaded = read("head.nii.gz", &ReadOptions::default())?;
+//! for warning in &loaded.warnings {
+//!     eprintln!("warning: {warning}");
+//! }
+//! write("head.nrrd", &loaded.volume, &WriteOptions::default())?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! What every reader keeps to:
+//!
+//! - A file that states an anatomical frame (NIfTI q-form and s-form, NRRD `space`, MetaImage)
+//!   lands in LPS millimetres. A file that states none keeps its own numbers.
+//! - Uncompressed data in native order are memory-mapped; everything else is decoded straight into
+//!   its destination.
+//! - Nothing is allocated that the size of the file does not justify, so a header may lie about
+//!   its dims without harm.
+//! - Files are written beside their destination and renamed into place ([`AtomicFile`]).
+
+mod atomic;
+mod body;
+mod encoding;
+mod error;
+mod header;
+mod metaimage;
+mod nifti;
+mod nrrd;
+mod options;
+mod payload;
+mod picture;
+mod raw;
+mod source;
+mod stored;
+mod stream;
+mod values;
+mod volumes;
+mod world;
+
+pub use atomic::AtomicFile;
+pub use error::IoError;
+pub use options::{Format, Loaded, ReadOptions, WriteOptions};
+pub use picture::{Picture, PngPixels, Transfer, read_png, write_exr, write_png};
+pub use raw::RawLayout;
+pub use stored::{Endian, StoredType};
+pub use volumes::{read, read_bytes, write};

@@ -1,0 +1,143 @@
+//! The values of a volume on their way into a file.
+
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use bytemuck::{NoUninit, cast_slice};
+use flate2::Compression;
+use flate2::write::{GzEncoder, ZlibEncoder};
+use pellucid_field::{Volume, Voxel, VoxelType, Voxels, Warning, for_voxels};
+
+use crate::{AtomicFile, IoError};
+
+/// The type a volume's values have in formats that know no halves: `f16` becomes `f32`, exactly.
+pub(crate) fn written_type(volume: &Volume, warnings: &mut Vec<Warning>) -> VoxelType {
+    let found = volume.voxels().voxel_type();
+    if found != VoxelType::F16 {
+        return found;
+    }
+    let (from, to) = (found.name().to_owned(), VoxelType::F32);
+    warnings.push(Warning::Converted { from, to, largest_error: 0.0 });
+    to
+}
+
+/// How values are packed.
+#[derive(Clone, Copy)]
+pub(crate) enum Packing {
+    Plain,
+    /// At this deflate level.
+    Gzip(u8),
+    /// At this deflate level.
+    Zlib(u8),
+}
+
+/// Writes the values in their [`written_type`], native order, components interleaved; the position
+/// after them.
+fn write_body(file: &mut AtomicFile, volume: &Volume, packing: Packing) -> io::Result<u64> {
+    let level = |level: u8| Compression::new(level.clamp(1, 9).into());
+    match packing {
+        Packing::Plain => write_interleaved(file, volume)?,
+        Packing::Gzip(n) => {
+            let mut encoder = GzEncoder::new(&mut *file, level(n));
+            write_interleaved(&mut encoder, volume)?;
+            encoder.finish()?;
+        }
+        Packing::Zlib(n) => {
+            let mut encoder = ZlibEncoder::new(&mut *file, level(n));
+            write_interleaved(&mut encoder, volume)?;
+            encoder.finish()?;
+        }
+    }
+    file.stream_position()
+}
+
+/// Values as they are in memory.
+pub(crate) fn write_interleaved(out: &mut impl Write, volume: &Volume) -> io::Result<()> {
+    match volume.voxels() {
+        Voxels::F16(data) => write_each(out, data.iter().map(|value| value.to_f32())),
+        voxels => out.write_all(voxels.as_bytes()),
+    }
+}
+
+/// Each component as a whole grid, one after the other.
+pub(crate) fn write_planar(out: &mut impl Write, volume: &Volume) -> io::Result<()> {
+    let components = volume.components();
+    for component in 0..components {
+        match volume.voxels() {
+            Voxels::F16(data) => {
+                write_each(out, data[component..].iter().step_by(components).map(|value| value.to_f32()))?;
+            }
+            voxels => for_voxels!(voxels, data => write_plane(out, &data[component..], components))?,
+        }
+    }
+    Ok(())
+}
+
+fn write_plane<T: Voxel>(out: &mut impl Write, data: &[T], stride: usize) -> io::Result<()> {
+    write_each(out, data.iter().step_by(stride).copied())
+}
+
+fn write_each<T: NoUninit>(out: &mut impl Write, mut values: impl Iterator<Item = T>) -> io::Result<()> {
+    let mut chunk: Vec<T> = Vec::with_capacity(1 << 13);
+    loop {
+        chunk.clear();
+        chunk.extend(values.by_ref().take(1 << 13));
+        if chunk.is_empty() {
+            return Ok(());
+        }
+        out.write_all(cast_slice(&chunk))?;
+    }
+}
+
+/// A header and where to store the values that it describes.
+pub(crate) struct Files<'a> {
+    pub path: &'a Path,
+    pub header: &'a [u8],
+    /// Where in the header to fill in the size of the stored values, [`SIZE_DIGITS`] wide.
+    pub size_at: Option<u64>,
+    /// The values' own file; without one they follow the header.
+    pub data_file: Option<&'a Path>,
+    pub packing: Packing,
+}
+
+/// Room for the digits of any size.
+pub(crate) const SIZE_DIGITS: usize = 20;
+
+impl Files<'_> {
+    /// Writes all files; they appear together or not at all.
+    pub fn write(&self, volume: &Volume) -> Result<(), IoError> {
+        let mut file = AtomicFile::create(self.path)?;
+        file.write_all(self.header).map_err(IoError::io(self.path))?;
+        let Some(data_path) = self.data_file else {
+            let size = write_body(&mut file, volume, self.packing).map_err(IoError::io(self.path))?;
+            self.fill_in(&mut file, size - self.header.len() as u64)?;
+            return file.commit();
+        };
+        let mut data = AtomicFile::create(data_path)?;
+        let size = write_body(&mut data, volume, self.packing).map_err(IoError::io(data_path))?;
+        self.fill_in(&mut file, size)?;
+        data.commit()?;
+        file.commit().inspect_err(|_| {
+            // A header that cannot be replaced must not leave its data behind.
+            let _ = std::fs::remove_file(data_path);
+        })
+    }
+
+    fn fill_in(&self, file: &mut AtomicFile, size: u64) -> Result<(), IoError> {
+        let Some(at) = self.size_at else { return Ok(()) };
+        let digits = format!("{size:<SIZE_DIGITS$}");
+        let written = file.seek(SeekFrom::Start(at)).and_then(|_| file.write_all(digits.as_bytes()));
+        written.map_err(IoError::io(self.path))
+    }
+}
+
+/// Lengthens a header by a comment, so that the values after `tail` more bytes are aligned for
+/// every type and can be mapped into memory.
+pub(crate) fn align(header: &mut String, comment: &str, tail: usize) {
+    const ALIGNMENT: usize = 16;
+    let shortest = header.len() + comment.len() + 1 + tail;
+    let spaces = shortest.next_multiple_of(ALIGNMENT) - shortest;
+    header.push_str(comment);
+    header.extend(std::iter::repeat_n(' ', spaces));
+    header.push('\n');
+}

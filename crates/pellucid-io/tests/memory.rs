@@ -1,0 +1,57 @@
+//! Headers that promise more than their file holds cost neither memory nor time.
+#![cfg(target_os = "linux")]
+
+mod common;
+
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+use common::nifti::Header;
+use common::{gzip, load};
+
+/// The most memory this process has ever reserved, in bytes.
+fn peak() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find(|line| line.starts_with("VmPeak:")).unwrap();
+    line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap() * 1024
+}
+
+/// The only test in its process, so that nothing else reserves memory meanwhile.
+#[test]
+fn lying_sizes_fail_fast_without_allocating() {
+    let mut bzip2 = bzip2::write::BzEncoder::new(Vec::new(), bzip2::Compression::best());
+    bzip2.write_all(&vec![0; 1 << 20]).unwrap();
+    let bzip2 = bzip2.finish().unwrap();
+    let nrrd = |sizes: &str, kind: &str, encoding: &str, data: &[u8]| {
+        let header =
+            format!("NRRD0004\ntype: {kind}\ndimension: 3\nsizes: {sizes}\nendian: big\nencoding: {encoding}\n\n");
+        ("a.nrrd", [header.as_bytes(), data].concat())
+    };
+    let zeros = gzip(&vec![0; 1 << 20]);
+    let meta = b"NDims = 3\nDimSize = 4096 4096 4096\nElementType = MET_FLOAT\nCompressedData = True\nElementDataFile = LOCAL\n";
+    let files = [
+        nrrd("4096 4096 4096", "float", "raw", &[0; 64]),
+        nrrd("4096 4096 4096", "double", "raw", &[0; 64]),
+        nrrd("4096 4096 4096", "float", "hex", &[b'0'; 64]),
+        nrrd("4096 4096 4096", "float", "ascii", b"1 2 3"),
+        nrrd("4096 4096 4096", "float", "gzip", &zeros),
+        nrrd("4096 4096 4096", "int64", "gzip", &zeros),
+        nrrd("4096 4096 4096", "float", "bzip2", &bzip2),
+        nrrd("4096 4096 4096", "int64", "bzip2", &bzip2),
+        nrrd("4294967296 4294967296 4294967296", "float", "raw", &[0; 64]),
+        nrrd("9223372036854775807 1 1", "uint8", "bzip2", &bzip2),
+        nrrd("18446744073709551615 1 1", "uint8", "gzip", &zeros),
+        ("a.mha", [meta.as_slice(), &zeros].concat()),
+        ("a.nii", Header::new(1, false).dim(&[7, 32767, 32767, 32767, 32767]).with_counting(5)),
+        ("a.nii.gz", gzip(&Header::new(2, false).dim(&[3, 1 << 20, 1 << 20, 1 << 20]).with_counting(5))),
+        ("a.nii.gz", gzip(&Header::new(2, false).dim(&[3, 1024, 1024, 1024]).vox_offset(1e15).with_counting(5))),
+    ];
+    let (before, start) = (peak(), Instant::now());
+    for (index, (name, bytes)) in files.into_iter().enumerate() {
+        let result = load(name, bytes);
+        let error = result.map(|_| ()).expect_err("a file that lies");
+        let grown = peak() - before;
+        assert!(grown < 96 << 20, "file {index} reserved {grown} bytes: {error}");
+    }
+    assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+}

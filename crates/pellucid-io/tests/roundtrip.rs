@@ -1,0 +1,182 @@
+//! What is written is what is read, in every type, encoding and format.
+
+mod common;
+
+use common::{affine_error, dyadic, extremes, oblique, stored};
+use glam::{DAffine3, DMat3, DVec3};
+use pellucid_field::{Grid, ValueMap, Volume, VoxelType, Warning};
+use pellucid_io::{IoError, RawLayout, ReadOptions, WriteOptions, read, write};
+use proptest::prelude::*;
+
+const NAMES: [&str; 6] = ["v.nrrd", "v.nhdr", "v.mha", "v.mhd", "v.nii", "v.nii.gz"];
+
+fn options(compression: Option<u8>) -> WriteOptions {
+    WriteOptions { compression, ..Default::default() }
+}
+
+#[test]
+fn every_type_format_and_encoding_keeps_values_components_and_grid() {
+    let folder = tempfile::tempdir().unwrap();
+    for voxel_type in VoxelType::ALL {
+        for components in 1..=4 {
+            let grid = dyadic([5, 4, 3]);
+            let voxels = extremes(voxel_type, grid.len() * components);
+            let mut volume = Volume::with_components(grid, voxels, components).unwrap();
+            volume.length_unit = Some("mm".to_owned());
+            for name in NAMES {
+                for compression in [None, Some(1), Some(9)] {
+                    let path = folder.path().join(name);
+                    let written = write(&path, &volume, &options(compression)).unwrap();
+                    let loaded = read(&path, &ReadOptions::default()).unwrap();
+                    let context = format!("{voxel_type} x {components} as {name}, {compression:?}");
+                    let found = &loaded.volume;
+                    assert_eq!(found.components(), components, "{context}");
+                    assert_eq!(found.grid().dims(), [5, 4, 3], "{context}");
+                    assert_eq!(found.name, "v");
+                    assert_eq!(found.length_unit.as_deref(), Some("mm"), "{context}");
+                    let error = affine_error(found.grid().world_from_index(), grid.world_from_index());
+                    assert!(error < 1e-15, "{context}: {error}");
+                    if voxel_type == VoxelType::F16 {
+                        // No format has halves; singles hold them exactly.
+                        let exact = Warning::Converted { from: "f16".into(), to: VoxelType::F32, largest_error: 0.0 };
+                        assert_eq!(written, [exact], "{context}");
+                        assert_eq!(found.voxels().voxel_type(), VoxelType::F32);
+                        assert_eq!(stored(found), stored(&volume), "{context}");
+                    } else {
+                        assert_eq!(written, [], "{context}");
+                        assert_eq!(found.voxels().voxel_type(), voxel_type, "{context}");
+                        assert_eq!(found.voxels().as_bytes(), volume.voxels().as_bytes(), "{context}");
+                    }
+                }
+            }
+            let path = folder.path().join("v.raw");
+            write(&path, &volume, &options(None)).unwrap();
+            let layout = RawLayout { components, ..RawLayout::new([5, 4, 3], voxel_type) };
+            let found = read(&path, &ReadOptions { raw: Some(layout), ..Default::default() }).unwrap().volume;
+            assert_eq!(found.voxels().as_bytes(), volume.voxels().as_bytes());
+        }
+    }
+}
+
+#[test]
+fn nothing_but_the_files_asked_for_is_left_in_the_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let volume = Volume::new(dyadic([2, 2, 2]), vec![1u8; 8]).unwrap();
+    for name in NAMES {
+        write(folder.path().join(name), &volume, &options(None)).unwrap();
+    }
+    let mut names: Vec<_> =
+        std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    // Data files are named after the whole header, so that no v.raw of the user's is overwritten.
+    assert_eq!(names, ["v.mha", "v.mhd", "v.mhd.raw", "v.nhdr", "v.nhdr.raw", "v.nii", "v.nii.gz", "v.nrrd"]);
+}
+
+#[test]
+fn value_maps_and_units_survive_or_are_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let map = ValueMap { scale: 0.25, offset: -1024.0 };
+    let volume = Volume::new(dyadic([3, 1, 1]), vec![0i16, 7, 4096]).unwrap().with_value_map(map).unwrap();
+    for name in NAMES {
+        let mut volume = volume.clone();
+        volume.value_unit = Some("HU".to_owned());
+        let path = folder.path().join(name);
+        let warnings = write(&path, &volume, &options(None)).unwrap();
+        let found = read(&path, &ReadOptions::default()).unwrap().volume;
+        assert_eq!(found.value_map(), map, "{name}");
+        assert_eq!(found.value([2, 0, 0], 0), 0.0);
+        let is_nrrd = name.contains(".n") && !name.contains(".nii");
+        assert_eq!(found.value_unit.as_deref(), is_nrrd.then_some("HU"), "{name}");
+        assert_eq!(warnings.len(), 1, "{name}: {warnings:?}");
+    }
+}
+
+#[test]
+fn nifti_warns_of_what_single_precision_loses() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("v.nii");
+    let map = ValueMap { scale: 0.1, offset: 0.0 };
+    let volume = Volume::new(oblique([3, 4, 5]), vec![0u8; 60]).unwrap().with_value_map(map).unwrap();
+    let warnings = write(&path, &volume, &options(None)).unwrap();
+    let texts = common::texts(&warnings);
+    assert!(texts.iter().any(|text| text.contains("positions are rounded")), "{texts:?}");
+    assert!(texts.iter().any(|text| text.contains("slope and intercept")), "{texts:?}");
+    let found = read(&path, &ReadOptions::default()).unwrap().volume;
+    let error = affine_error(found.grid().world_from_index(), volume.grid().world_from_index());
+    assert!(error < 1e-7, "{error}");
+}
+
+#[test]
+fn an_axis_too_long_for_nifti_1_is_refused_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let volume = Volume::new(Grid::new([40_000, 1, 1]).unwrap(), vec![0u8; 40_000]).unwrap();
+    let error = write(folder.path().join("long.nii"), &volume, &options(None)).unwrap_err();
+    assert!(matches!(error, IoError::Unsupported { .. }), "{error}");
+    assert!(error.to_string().contains("40000"), "{error}");
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
+}
+
+#[test]
+fn an_unknown_extension_is_refused() {
+    let volume = Volume::new(Grid::new([1; 3]).unwrap(), vec![0u8]).unwrap();
+    let error = write("/nowhere/v.xyz", &volume, &options(None)).unwrap_err().to_string();
+    assert!(error.contains(".xyz") && error.contains(".nrrd"), "{error}");
+}
+
+/// Plain files are mapped, not copied: their values lie inside a mapping of that very file.
+#[cfg(target_os = "linux")]
+#[test]
+fn plain_native_files_are_mapped() {
+    let folder = tempfile::tempdir().unwrap();
+    let volume = Volume::new(oblique([7, 5, 3]), vec![1.5f32; 105]).unwrap();
+    for (name, compression, mapped) in [
+        ("v.nrrd", None, true),
+        ("v.nhdr", None, true),
+        ("v.mha", None, true),
+        ("v.mhd", None, true),
+        ("v.nii", None, true),
+        ("v.nii.gz", None, false),
+        ("v.nrrd", Some(1), false),
+    ] {
+        let path = folder.path().join(name);
+        write(&path, &volume, &options(compression)).unwrap();
+        let loaded = read(&path, &ReadOptions::default()).unwrap();
+        let address = loaded.volume.voxels().as_bytes().as_ptr() as usize;
+        let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
+        let inside = maps.lines().filter(|line| line.contains(folder.path().to_str().unwrap())).any(|line| {
+            let (low, high) = line.split_once(' ').unwrap().0.split_once('-').unwrap();
+            let bound = |text| usize::from_str_radix(text, 16).unwrap();
+            (bound(low)..bound(high)).contains(&address)
+        });
+        assert_eq!(inside, mapped, "{name}, {compression:?}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Any affine returns to 1e-9 where the format has the digits for it.
+    #[test]
+    fn affines_return(
+        columns in prop::array::uniform9(-5.0f64..5.0),
+        translation in prop::array::uniform3(-1e4f64..1e4),
+        dims in prop::array::uniform3(1usize..6),
+        values in prop::collection::vec(any::<i16>(), 125),
+    ) {
+        let matrix3 = DMat3::from_cols_array(&columns);
+        prop_assume!(matrix3.determinant().abs() > 1e-3);
+        let affine = DAffine3 { matrix3, translation: DVec3::from_array(translation) };
+        let grid = Grid::with_affine(dims, affine).unwrap();
+        let volume = Volume::new(grid, values[..grid.len()].to_vec()).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        for name in NAMES {
+            let path = folder.path().join(name);
+            write(&path, &volume, &options(None)).unwrap();
+            let found = read(&path, &ReadOptions::default()).unwrap().volume;
+            let error = affine_error(found.grid().world_from_index(), affine);
+            let bound = if name.contains(".nii") { 1e-7 } else { 1e-14 };
+            prop_assert!(error < bound, "{}: {}", name, error);
+            prop_assert_eq!(found.voxels().as_bytes(), volume.voxels().as_bytes());
+        }
+    }
+}
