@@ -11,6 +11,7 @@
 //!   neighbours take one-sided gradients.
 //! - Spacing, direction, mirroring and origin live in the affine and nowhere else.
 
+pub mod closed_form;
 mod error;
 mod grid;
 mod volume;
