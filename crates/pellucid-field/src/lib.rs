@@ -11,6 +11,7 @@
 //!   neighbours take one-sided gradients.
 //! - Spacing, direction, mirroring and origin live in the affine and nowhere else.
 
+mod blocks;
 pub mod closed_form;
 mod crop;
 mod error;
@@ -20,6 +21,7 @@ mod pyramid;
 mod volume;
 mod voxels;
 
+pub use blocks::Blocks;
 pub use crop::crop;
 pub use error::{FieldError, Warning};
 pub use grid::Grid;
