@@ -11,12 +11,21 @@
 //!   neighbours take one-sided gradients.
 //! - Spacing, direction, mirroring and origin live in the affine and nowhere else.
 
+mod blocks;
+pub mod closed_form;
+mod crop;
 mod error;
 mod grid;
+mod histogram;
+mod pyramid;
 mod volume;
 mod voxels;
 
+pub use blocks::Blocks;
+pub use crop::crop;
 pub use error::{FieldError, Warning};
 pub use grid::Grid;
+pub use histogram::Histogram;
+pub use pyramid::{halve, pyramid};
 pub use volume::{Statistics, ValueMap, Volume};
 pub use voxels::{Buffer, Voxel, VoxelType, Voxels};

@@ -134,6 +134,27 @@ impl Volume {
         Ok(self)
     }
 
+    /// Makes sure that there is a component of that number.
+    pub(crate) fn check_component(&self, component: usize) -> Result<(), FieldError> {
+        if component < self.components {
+            return Ok(());
+        }
+        let expected = "below the number of components (the first is 0)";
+        Err(FieldError::Parameter { name: "component", found: component as f64, expected })
+    }
+
+    /// Other samples of the same thing: same components, value map, name and units.
+    pub(crate) fn with_samples(&self, grid: Grid, voxels: impl Into<Voxels>) -> Result<Self, FieldError> {
+        let volume = Self::with_components(grid, voxels, self.components)?;
+        Ok(Self {
+            value_map: self.value_map,
+            name: self.name.clone(),
+            value_unit: self.value_unit.clone(),
+            length_unit: self.length_unit.clone(),
+            ..volume
+        })
+    }
+
     /// Where the samples are.
     pub fn grid(&self) -> &Grid {
         &self.grid

@@ -1,0 +1,92 @@
+//! From a field to a volume.
+
+use glam::DVec3;
+use half::f16;
+use rayon::prelude::*;
+
+use super::ScalarField;
+use crate::{FieldError, Grid, ValueMap, Volume, Voxel, VoxelType, Voxels};
+
+/// Samples a field on a grid whose outermost samples lie on the box of the field (1.5-1: N
+/// samples span N - 1 spacings). An axis with one sample gets the middle of the box, one voxel
+/// as thick as the box.
+///
+/// Data values are the field's own in every voxel type. Float types store them as they are.
+/// Integer types store them as they are, rounded, if the field is measured in whole units
+/// (Hounsfield) and its range fits into the type; otherwise the range of the field is spread over
+/// all levels of the type, and the volume's [`ValueMap`] leads back.
+///
+/// # Errors
+/// [`FieldError::Dims`] and [`FieldError::Affine`] for a grid that cannot be,
+/// [`FieldError::Parameter`] if the range of the field is not finite.
+pub fn sample_field(field: &dyn ScalarField, dims: [usize; 3], voxel_type: VoxelType) -> Result<Volume, FieldError> {
+    let grid = grid_over(field.bounds(), dims)?;
+    let map = value_map(field, voxel_type)?;
+    let voxels: Voxels = match voxel_type {
+        VoxelType::U8 => fill::<u8>(field, &grid, map).into(),
+        VoxelType::I8 => fill::<i8>(field, &grid, map).into(),
+        VoxelType::U16 => fill::<u16>(field, &grid, map).into(),
+        VoxelType::I16 => fill::<i16>(field, &grid, map).into(),
+        VoxelType::U32 => fill::<u32>(field, &grid, map).into(),
+        VoxelType::I32 => fill::<i32>(field, &grid, map).into(),
+        VoxelType::F16 => fill::<f16>(field, &grid, map).into(),
+        VoxelType::F32 => fill::<f32>(field, &grid, map).into(),
+    };
+    let about = field.about();
+    let mut volume = Volume::new(grid, voxels)?.with_value_map(map)?.with_name(about.name);
+    volume.value_unit = about.value_unit.map(str::to_owned);
+    volume.length_unit = about.length_unit.map(str::to_owned);
+    Ok(volume)
+}
+
+fn grid_over((low, high): (DVec3, DVec3), dims: [usize; 3]) -> Result<Grid, FieldError> {
+    let (mut spacing, mut origin) = (high - low, low);
+    for axis in 0..3 {
+        match dims[axis] {
+            0 | 1 => origin[axis] = (low[axis] + high[axis]) / 2.0,
+            n => spacing[axis] /= (n - 1) as f64,
+        }
+    }
+    Grid::with_spacing(dims, spacing.to_array(), origin.to_array())
+}
+
+fn value_map(field: &dyn ScalarField, voxel_type: VoxelType) -> Result<ValueMap, FieldError> {
+    let (low, high) = field.range();
+    for (name, found) in [("lowest value of the field", low), ("highest value of the field", high)] {
+        if !found.is_finite() {
+            return Err(FieldError::Parameter { name, found, expected: "finite" });
+        }
+    }
+    let Some((first, last)) = levels(voxel_type) else { return Ok(ValueMap::IDENTITY) };
+    if field.about().whole_units && first <= low && high <= last {
+        return Ok(ValueMap::IDENTITY);
+    }
+    let scale = if high > low { (high - low) / (last - first) } else { 1.0 };
+    Ok(ValueMap { scale, offset: low - first * scale })
+}
+
+/// Lowest and highest number of an integer type.
+fn levels(voxel_type: VoxelType) -> Option<(f64, f64)> {
+    Some(match voxel_type {
+        VoxelType::U8 => (0.0, u8::MAX.into()),
+        VoxelType::I8 => (i8::MIN.into(), i8::MAX.into()),
+        VoxelType::U16 => (0.0, u16::MAX.into()),
+        VoxelType::I16 => (i16::MIN.into(), i16::MAX.into()),
+        VoxelType::U32 => (0.0, u32::MAX.into()),
+        VoxelType::I32 => (i32::MIN.into(), i32::MAX.into()),
+        VoxelType::F16 | VoxelType::F32 => return None,
+    })
+}
+
+fn fill<T: Voxel>(field: &dyn ScalarField, grid: &Grid, map: ValueMap) -> Vec<T> {
+    let [nx, ny, _] = grid.dims();
+    let mut voxels = vec![T::zeroed(); grid.len()];
+    voxels.par_chunks_mut(nx).enumerate().for_each(|(row, voxels)| {
+        let (y, z) = ((row % ny) as f64, (row / ny) as f64);
+        for (x, voxel) in voxels.iter_mut().enumerate() {
+            let p = grid.world_from_index().transform_point3(DVec3::new(x as f64, y, z));
+            *voxel = T::from_f64(map.stored(field.value(p)));
+        }
+    });
+    voxels
+}

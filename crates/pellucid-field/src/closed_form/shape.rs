@@ -1,0 +1,164 @@
+//! Shapes as signed distances (negative inside), and what becomes of them in a field.
+
+use glam::DVec3;
+
+use super::number::Number;
+
+/// `p - center`.
+pub(super) fn relative<N: Number>(p: [N; 3], center: DVec3) -> [N; 3] {
+    [p[0] - center.x, p[1] - center.y, p[2] - center.z]
+}
+
+/// The position without its dependence, for deciding what can be left out.
+pub(super) fn position<N: Number>(p: [N; 3]) -> DVec3 {
+    DVec3::from_array(p.map(N::value))
+}
+
+/// Euclidean length.
+pub(super) fn length<N: Number>([x, y, z]: [N; 3]) -> N {
+    (x.square() + y.square() + z.square()).sqrt()
+}
+
+/// Distance to an ellipsoid along its axes, to first order: exact on the surface and for spheres.
+pub(super) fn ellipsoid<N: Number>(p: [N; 3], center: DVec3, radii: DVec3) -> N {
+    let q = relative(p, center);
+    let over = |k: DVec3| length([q[0] * k.x, q[1] * k.y, q[2] * k.z]);
+    let level = over(radii.recip());
+    // At the centre the ratio below is 0/0; any distance that deep inside serves.
+    if level.value() < 1e-3 {
+        return N::constant(-radii.min_element());
+    }
+    level * (level - 1.0) * over((radii * radii).recip()).recip()
+}
+
+/// Distance to a rod from `a` to `b` whose radius goes from `ra` to `rb`, with round ends.
+pub(super) fn rod<N: Number>(p: [N; 3], (a, ra): (DVec3, f64), (b, rb): (DVec3, f64)) -> N {
+    let (q, axis) = (relative(p, a), b - a);
+    let along = (q[0] * axis.x + q[1] * axis.y + q[2] * axis.z) * axis.length_squared().recip();
+    let t = along.clamp(0.0, 1.0);
+    length([q[0] - t * axis.x, q[1] - t * axis.y, q[2] - t * axis.z]) - t * (rb - ra) - ra
+}
+
+/// Distance to a ring around the y axis through `center`: `radius` to the middle of a tube of
+/// `thickness` (its radius).
+pub(super) fn ring<N: Number>(p: [N; 3], center: DVec3, radius: f64, thickness: f64) -> N {
+    let [x, y, z] = relative(p, center);
+    let around = (x.square() + z.square()).sqrt() - radius;
+    (around.square() + y.square()).sqrt() - thickness
+}
+
+/// Union of two shapes with a fillet about `fillet` wide.
+pub(super) fn join<N: Number>(a: N, b: N, fillet: f64) -> N {
+    let overlap = ((a - b).abs() * -1.0 + fillet).max(N::constant(0.0));
+    a.min(b) - overlap.square() * (0.25 / fillet)
+}
+
+/// What `a` and `b` have in common, with a rounded edge.
+pub(super) fn common<N: Number>(a: N, b: N, fillet: f64) -> N {
+    -join(-a, -b, fillet)
+}
+
+/// Share of a small neighbourhood that lies inside a shape: 1 inside, 0 outside, 1/2 on the
+/// surface, with an edge `width` wide.
+pub(super) fn inside<N: Number>(distance: N, width: f64) -> N {
+    (distance * -width.recip() + 0.5).smoothstep()
+}
+
+/// `inside` of an ellipsoid, cheap where there is nothing.
+pub(super) fn blob<N: Number>(p: [N; 3], center: [f64; 3], radii: [f64; 3], width: f64) -> N {
+    let (center, radii) = (DVec3::from_array(center), DVec3::from_array(radii));
+    // The distance is to first order, so an edge may reach further along a long axis.
+    let reach = radii * (1.0 + width / radii.min_element());
+    if (position(p) - center).abs().cmpgt(reach).any() {
+        return N::constant(0.0);
+    }
+    inside(ellipsoid(p, center, radii), width)
+}
+
+/// Share inside either of two things of which nothing more is known: a union without creases.
+pub(super) fn either<N: Number>(a: N, b: N) -> N {
+    a + b - a * b
+}
+
+/// A bent tube: rods through its points, in order.
+#[derive(Clone, Debug)]
+pub(super) struct Path {
+    points: Vec<(DVec3, f64)>,
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Path {
+    /// A tube through points given as x, y, z and radius there.
+    pub fn new(points: &[[f64; 4]]) -> Self {
+        Self::through(points.iter().map(|&[x, y, z, r]| (DVec3::new(x, y, z), r)).collect())
+    }
+
+    /// A tube through points with radii, drawn smoothly (Catmull-Rom, four rods per span).
+    pub fn smooth(points: &[[f64; 4]]) -> Self {
+        let at = |i: isize| glam::DVec4::from_array(points[i.clamp(0, points.len() as isize - 1) as usize]);
+        let mut fine = vec![];
+        for span in 0..points.len() as isize - 1 {
+            let [a, b, c, d] = [at(span - 1), at(span), at(span + 1), at(span + 2)];
+            for t in [0.0, 0.25, 0.5, 0.75] {
+                let slope = (c - a) + (2.0 * a - 5.0 * b + 4.0 * c - d) * t + (3.0 * (b - c) + d - a) * t * t;
+                fine.push((b + 0.5 * t * slope).to_array());
+            }
+        }
+        fine.extend(points.last());
+        Self::new(&fine)
+    }
+
+    /// A tube through points with radii.
+    pub fn through(points: Vec<(DVec3, f64)>) -> Self {
+        let low = points.iter().fold(DVec3::INFINITY, |low, &(p, r)| low.min(p - r));
+        let high = points.iter().fold(DVec3::NEG_INFINITY, |high, &(p, r)| high.max(p + r));
+        Self { points, low, high }
+    }
+
+    /// Distance to the tube.
+    pub fn distance<N: Number>(&self, p: [N; 3]) -> N {
+        let far = N::constant(f64::INFINITY);
+        self.points.windows(2).fold(far, |distance, ends| distance.min(rod(p, ends[0], ends[1])))
+    }
+
+    /// `inside` of the tube, cheap where there is nothing.
+    pub fn inside<N: Number>(&self, p: [N; 3], width: f64) -> N {
+        let at = position(p);
+        if (at + width).cmplt(self.low).any() || (at - width).cmpgt(self.high).any() {
+            return N::constant(0.0);
+        }
+        inside(self.distance(p), width)
+    }
+}
+
+/// Many tubes. Tubes that follow each other in the list should be neighbours in space: groups of
+/// them are left out together.
+#[derive(Clone, Debug)]
+pub(super) struct Bundle(Vec<Group>);
+
+#[derive(Clone, Debug)]
+struct Group {
+    paths: Vec<Path>,
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Bundle {
+    pub fn new(paths: &[Path]) -> Self {
+        let group = |paths: &[Path]| Group {
+            paths: paths.to_vec(),
+            low: paths.iter().fold(DVec3::INFINITY, |low, path| low.min(path.low)),
+            high: paths.iter().fold(DVec3::NEG_INFINITY, |high, path| high.max(path.high)),
+        };
+        Self(paths.chunks(8).map(group).collect())
+    }
+
+    /// `inside` of the union of the tubes.
+    pub fn inside<N: Number>(&self, p: [N; 3], width: f64) -> N {
+        let at = position(p);
+        let near = |group: &&Group| (at + width).cmpge(group.low).all() && (at - width).cmple(group.high).all();
+        let paths = self.0.iter().filter(near).flat_map(|group| &group.paths);
+        paths.fold(N::constant(0.0), |union, path| either(union, path.inside(p, width)))
+    }
+}

@@ -1,0 +1,107 @@
+//! Block ranges against looking at every voxel.
+
+use glam::DVec3;
+use half::f16;
+use pellucid_field::{Blocks, FieldError, Grid, ValueMap, Volume, Voxel, Voxels};
+use proptest::prelude::*;
+
+/// Values of any kind, some of them absent in float types.
+fn volume<T: Voxel>(dims: [usize; 3], components: usize, map: ValueMap, seed: u64) -> Volume {
+    let count = dims.iter().product::<usize>() * components;
+    let mut state = seed;
+    let values: Vec<T> = (0..count)
+        .map(|_| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            match state >> 60 {
+                0..4 => T::from_f64(f64::NAN),
+                4 => T::from_f64(f64::INFINITY),
+                _ => T::from_f64((state >> 40) as f64 / 997.0 - 3000.0),
+            }
+        })
+        .collect();
+    let grid = Grid::new(dims).unwrap();
+    Volume::with_components(grid, values, components).unwrap().with_value_map(map).unwrap()
+}
+
+fn check(volume: &Volume, component: usize, size: usize, reach: usize) {
+    let blocks = Blocks::new(volume, component, size, reach).unwrap();
+    let dims = volume.grid().dims();
+    assert_eq!(blocks.dims(), dims.map(|n| (n - 1).max(1).div_ceil(size)));
+    let [bx, by, bz] = blocks.dims();
+    for (z, y, x) in (0..bz).flat_map(|z| (0..by).flat_map(move |y| (0..bx).map(move |x| (z, y, x)))) {
+        let span = |b: usize, n: usize| (b * size).saturating_sub(reach)..((b + 1) * size + reach + 1).min(n);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for k in span(z, dims[2]) {
+            for j in span(y, dims[1]) {
+                for i in span(x, dims[0]) {
+                    let value = volume.value([i, j, k], component);
+                    if value.is_finite() {
+                        (low, high) = (low.min(value), high.max(value));
+                    }
+                }
+            }
+        }
+        match blocks.range([x, y, z]) {
+            None => assert!(low > high),
+            Some([least, most]) => {
+                // Outward, and by no more than one step of f32.
+                assert!(f64::from(least) <= low && f64::from(least.next_up()) > low, "{least} for {low}");
+                assert!(f64::from(most) >= high && f64::from(most.next_down()) < high, "{most} for {high}");
+            }
+        }
+    }
+}
+
+macro_rules! for_types {
+    ($($type:ty),+; $check:expr) => {
+        $( { let make = volume::<$type>; $check(&make); } )+
+    };
+}
+
+type Make<'a> = &'a dyn Fn([usize; 3], usize, ValueMap, u64) -> Volume;
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    #[test]
+    fn ranges_are_those_of_brute_force(
+        dims in [1usize..14, 1usize..14, 1usize..14],
+        components in 1usize..4,
+        size in 1usize..9,
+        reach in 0usize..4,
+        scale in prop::sample::select(vec![1.0, -0.3, 0.1]),
+        seed: u64,
+    ) {
+        let map = ValueMap { scale, offset: -1024.0 };
+        for_types!(u8, i8, u16, i16, u32, i32, f16, f32; |make: Make| {
+            check(&make(dims, components, map, seed), components - 1, size, reach)
+        });
+    }
+}
+
+#[test]
+fn lines_and_slivers_have_blocks() {
+    for (dims, size) in [([1, 1, 50], 8), ([1, 70, 1], 7), ([2049, 3, 2], 16), ([1, 1, 1], 4), ([3, 2, 2], 2)] {
+        for reach in [0, 1, 3] {
+            check(&volume::<i16>(dims, 1, ValueMap::IDENTITY, 5), 0, size, reach);
+            check(&volume::<f32>(dims, 2, ValueMap::IDENTITY, 6), 1, size, reach);
+        }
+    }
+}
+
+#[test]
+fn a_block_of_nothing_is_marked_and_positions_find_their_blocks() {
+    let mut values = vec![1.0f32; 9 * 3 * 3];
+    for (i, value) in values.iter_mut().enumerate() {
+        *value = if i % 9 >= 4 { f32::NAN } else { *value };
+    }
+    let volume = Volume::new(Grid::new([9, 3, 3]).unwrap(), Voxels::from(values)).unwrap();
+    let blocks = Blocks::new(&volume, 0, 4, 0).unwrap();
+    assert_eq!(blocks.ranges(), [[1.0, 1.0], Blocks::ABSENT]);
+    assert_eq!(blocks.range([1, 0, 0]), None);
+    for (x, block) in [(-3.0, 0), (0.0, 0), (3.99, 0), (4.0, 1), (8.0, 1), (100.0, 1), (f64::NAN, 0)] {
+        assert_eq!(blocks.block_at(DVec3::new(x, 1.0, 1.0)), [block, 0, 0]);
+    }
+    assert!(matches!(Blocks::new(&volume, 0, 0, 0), Err(FieldError::Parameter { name: "block size", .. })));
+    assert!(matches!(Blocks::new(&volume, 1, 4, 0), Err(FieldError::Parameter { name: "component", .. })));
+    assert_eq!(Blocks::new(&volume, 0, usize::MAX, usize::MAX).map(|blocks| blocks.dims()), Ok([1, 1, 1]));
+}
