@@ -15,17 +15,32 @@ mod blocks;
 pub mod closed_form;
 mod crop;
 mod error;
+mod filter;
+mod gradient;
 mod grid;
 mod histogram;
+mod joint_histogram;
+mod prefilter;
 mod pyramid;
+mod resample;
+mod sampler;
 mod volume;
 mod voxels;
 
 pub use blocks::Blocks;
 pub use crop::crop;
 pub use error::{FieldError, Warning};
+pub use filter::{
+    Filter, MAX_HALF_WIDTH, SincWindow, Weights, bspline_derivative_weights, bspline_second_derivative_weights,
+    bspline_weights,
+};
+pub use gradient::{Gradient, SplineCell, index_gradient, normal, world_gradient};
 pub use grid::Grid;
 pub use histogram::Histogram;
+pub use joint_histogram::JointHistogram;
+pub use prefilter::spline_coefficients;
 pub use pyramid::{halve, pyramid};
+pub use resample::{resample, resample_dims};
+pub use sampler::{Lattice, Linear, Nearest, Reconstruct, Sampler, Wide};
 pub use volume::{Statistics, ValueMap, Volume};
 pub use voxels::{Buffer, Voxel, VoxelType, Voxels};

@@ -8,6 +8,8 @@ use half::f16;
 
 /// The types voxels are stored in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum VoxelType {
     /// Unsigned 8 bit.
     U8,
