@@ -1,1 +1,34 @@
-//! What to draw: the scene document, its schema, validation and the frame that comes out.
+//! What to draw.
+//!
+//! A [`Scene`] is a document: volumes with their optics, camera, lights, clips, technique and
+//! quality, in TOML or JSON with one schema. [`Scene::resolve`] meets it with the loaded volumes,
+//! fills in everything left automatic, says what it chose, and gives a [`Stage`]: the explicit
+//! description that every backend draws. A backend answers with a [`Frame`].
+
+mod auto;
+mod blue_noise;
+mod camera;
+mod check;
+mod clip;
+mod control;
+mod document;
+mod frame;
+mod image;
+mod locate;
+mod quality;
+mod resolve;
+mod scene;
+mod technique;
+
+pub use blue_noise::blue_noise;
+pub use camera::{Camera, LookAt, Orbit, Projection, Ray, View, Viewpoint};
+pub use check::Invalid;
+pub use clip::{Clip, Region};
+pub use control::{Cancel, Control};
+pub use document::{DocumentError, Format, json_schema};
+pub use frame::{Frame, FrameStatistics, RenderWarning};
+pub use image::{Background, Encoding, ImageSettings};
+pub use quality::{Classification, Jitter, Quality};
+pub use resolve::{Choice, ResolveError, Stage, StageVolume};
+pub use scene::{Crop, SampleSource, Scene, Source, VolumeEntry};
+pub use technique::{Combine, Isosurface, Isovalue, Mode, RayCast, Slice, Technique};

@@ -1,0 +1,170 @@
+//! Automatic choices: a look for data nobody has described.
+
+use glam::DVec3;
+use pellucid_field::{Histogram, Volume};
+use pellucid_optics::{
+    ColorMap, GradientWeight, Interpolation, Material, OpacityPoint, OpticsError, Preset, Scale, TransferFunction,
+    opacity_shape,
+};
+
+use crate::resolve::Choice;
+use crate::{Camera, Mode, View, Viewpoint, VolumeEntry};
+
+/// Optics of a volume.
+pub struct Look {
+    pub transfer_function: TransferFunction,
+    pub material: Option<Material>,
+    pub gradient_weight: Option<GradientWeight>,
+}
+
+/// The optics an entry asks for, completed by what suits its data; every choice is noted.
+pub fn look(
+    entry: &VolumeEntry,
+    volume: &Volume,
+    mode: &Mode,
+    choices: &mut Vec<Choice>,
+) -> Result<Look, OpticsError> {
+    let mut preset = entry.preset.as_deref().map(Preset::by_name).transpose()?;
+    let shaped = entry.colormap.is_some() || entry.opacity.is_some();
+    if preset.is_none() && entry.transfer_function.is_none() && !shaped && !shows_values(mode) {
+        let (name, reason) = preset_for(volume);
+        choices.push(Choice { setting: "preset", chosen: format!("{name} ({reason})") });
+        preset = Some(Preset::by_name(name)?);
+    }
+    let needs_window = match (&entry.transfer_function, preset) {
+        (Some(_), _) => false,
+        (None, Some(preset)) => shaped || preset.scale == Scale::Relative,
+        (None, None) => true,
+    };
+    let window = match entry.window {
+        Some(window) => window,
+        None if needs_window => {
+            let (window, reason) = window_of(volume, entry.component);
+            let unit = volume.value_unit.as_deref().unwrap_or_default();
+            let chosen = format!("{:.5} to {:.5} {unit} ({reason})", window[0], window[1]);
+            choices.push(Choice { setting: "window", chosen: chosen.replace("  ", " ") });
+            window
+        }
+        // Nothing is spread over it.
+        None => [0.0, 1.0],
+    };
+    let tf = match &entry.transfer_function {
+        Some(tf) => tf.clone(),
+        None => windowed(entry, mode, preset, window)?,
+    };
+    let weight = preset.map(|preset| preset.gradient_weight(window, volume.grid().mean_spacing())).transpose()?;
+    let shading = entry.shading.or(preset.map(|preset| preset.shading));
+    let lit = shading.unwrap_or(entry.material.is_some() || matches!(mode, Mode::Isosurface(_)));
+    let material = entry.material.or(preset.map(|preset| preset.material)).unwrap_or_default();
+    Ok(Look {
+        transfer_function: with_unit_distance(tf, entry, volume, mode, choices)?,
+        material: lit.then_some(material),
+        gradient_weight: entry.gradient_weight.or(weight.flatten()),
+    })
+}
+
+/// Whether a mode shows values rather than a medium: it gets a gray ramp by default.
+fn shows_values(mode: &Mode) -> bool {
+    matches!(mode, Mode::Maximum | Mode::Minimum | Mode::Average | Mode::Slice(_) | Mode::XRay)
+}
+
+/// A transfer function over a window: the preset's, its colours or opacities replaced by the
+/// entry's colour map and opacity shape, or a gray ramp.
+fn windowed(
+    entry: &VolumeEntry,
+    mode: &Mode,
+    preset: Option<&Preset>,
+    window: [f64; 2],
+) -> Result<TransferFunction, OpticsError> {
+    let base = preset.map(|preset| preset.transfer_function(window)).transpose()?;
+    let colors = match (&entry.colormap, &base) {
+        (Some(name), _) => ColorMap::by_name(name)?.points(window)?,
+        (None, Some(base)) => base.colors().to_vec(),
+        (None, None) => ColorMap::by_name("gray")?.points(window)?,
+    };
+    let opacities = match (&entry.opacity, &base) {
+        (Some(name), _) => opacity_shape(name, window)?,
+        (None, Some(base)) => base.opacities().to_vec(),
+        (None, None) if shows_values(mode) && !matches!(mode, Mode::XRay) => {
+            vec![OpacityPoint { value: window[0], opacity: 1.0, interpolation: Interpolation::Linear }]
+        }
+        (None, None) => opacity_shape("linear", window)?,
+    };
+    let unit = base.as_ref().and_then(TransferFunction::unit_distance);
+    let space = base.as_ref().map(TransferFunction::color_space).unwrap_or_default();
+    TransferFunction::new(colors, opacities)?.with_color_space(space).with_unit_distance(unit)
+}
+
+/// Sets the unit distance: the entry's, the transfer function's own, or an automatic one.
+fn with_unit_distance(
+    tf: TransferFunction,
+    entry: &VolumeEntry,
+    volume: &Volume,
+    mode: &Mode,
+    choices: &mut Vec<Choice>,
+) -> Result<TransferFunction, OpticsError> {
+    if entry.unit_distance.is_some() {
+        return tf.with_unit_distance(entry.unit_distance);
+    }
+    if tf.unit_distance().is_some() {
+        return Ok(tf);
+    }
+    let length = volume.length_unit.as_deref().unwrap_or("world units");
+    let grid = volume.grid();
+    // A radiograph looks through everything: its opacities hold for a share of the whole.
+    let (unit, why) = match mode {
+        Mode::XRay => {
+            let (low, high) = grid.world_bounds();
+            ((high - low).max_element() / 2.0, "half the volume's longest side")
+        }
+        _ => (grid.mean_spacing(), "the mean voxel spacing"),
+    };
+    choices.push(Choice { setting: "unit distance", chosen: format!("opacities hold for {unit:.4} {length} ({why})") });
+    tf.with_unit_distance(Some(unit))
+}
+
+/// A preset for data by what is known of their values.
+fn preset_for(volume: &Volume) -> (&'static str, String) {
+    let range = volume.statistics();
+    let hounsfield = volume.value_unit.as_deref() == Some("HU");
+    // Air at -1000 and something denser than water: nothing but CT numbers looks like that.
+    let like_ct = volume.voxels().voxel_type().is_integer() && (-3100.0..=-900.0).contains(&range.min) && range.max > 200.0;
+    if hounsfield || like_ct {
+        let why = if hounsfield { "values are in HU" } else { "values reach from air to bone in Hounsfield units" };
+        return ("ct-bone", why.to_owned());
+    }
+    let kind = if volume.voxels().voxel_type().is_integer() { "micro-ct" } else { "simulation" };
+    (kind, format!("{} values from {:.5} to {:.5}", volume.voxels().voxel_type(), range.min, range.max))
+}
+
+/// The values that matter: from the background, the commonest value if it is a low one, to all but
+/// the brightest thousandth of what is above it.
+fn window_of(volume: &Volume, component: usize) -> ([f64; 2], &'static str) {
+    let range = volume.statistics();
+    let whole = [range.min, range.max];
+    let histogram = Histogram::new(volume, component, 1024).ok();
+    let found = histogram.and_then(|histogram| {
+        let middle = (range.min + range.max) / 2.0;
+        let low = histogram.mode().filter(|mode| *mode < middle).map_or(range.min, |mode| mode.max(range.min));
+        let high = histogram.percentile(0.999)?;
+        (high - low > 0.05 * (range.max - range.min)).then_some([low, high])
+    });
+    match found {
+        Some(window) => (window, "from the background to the 99.9th percentile of the histogram"),
+        None if range.max > range.min => (whole, "the range of the data"),
+        None => ([range.min - 0.5, range.min + 0.5], "around the only value there is"),
+    }
+}
+
+/// What the camera was set to where the scene left it open.
+pub fn camera_choice(camera: &Camera, view: &Viewpoint) -> Option<Choice> {
+    let View::Orbit(orbit) = camera.view else { return None };
+    let DVec3 { x, y, z } = view.eye;
+    Some(Choice {
+        setting: "camera",
+        chosen: format!(
+            "azimuth {} and elevation {} degrees, eye at ({x:.4}, {y:.4}, {z:.4})",
+            orbit.azimuth, orbit.elevation
+        ),
+    })
+}

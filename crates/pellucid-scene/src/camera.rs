@@ -1,0 +1,278 @@
+//! Cameras: how rays leave the eye.
+
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::check::{Checked, direction, finite, require};
+
+/// Where the eye is and how it projects.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Camera {
+    /// Perspective or orthographic.
+    pub projection: Projection,
+    /// Position and orientation.
+    pub view: View,
+}
+
+/// How the image plane relates to the eye.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum Projection {
+    /// Rays leave one point.
+    Perspective {
+        /// Full vertical angle of view in degrees, between 0 and 180 (exclusive).
+        vertical_fov: f64,
+    },
+    /// Rays are parallel.
+    Orthographic {
+        /// Height of the picture in world units; left out, the volumes are framed.
+        #[serde(default)]
+        height: Option<f64>,
+    },
+}
+
+impl Default for Projection {
+    /// Perspective with 30 degrees.
+    fn default() -> Self {
+        Self::Perspective { vertical_fov: 30.0 }
+    }
+}
+
+/// Where the eye stands.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum View {
+    /// Around a target, by angles.
+    Orbit(Orbit),
+    /// From a position to a target.
+    LookAt(LookAt),
+}
+
+impl Default for View {
+    /// [`Orbit::default`].
+    fn default() -> Self {
+        Self::Orbit(Orbit::default())
+    }
+}
+
+/// A camera on a sphere around a target.
+///
+/// At azimuth 0 and elevation 0 the eye looks along the world's +y axis with +z up: the front of a
+/// patient whose file states its orientation. A positive azimuth walks the eye to its own right.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Orbit {
+    /// Degrees around the up axis. Default 30.
+    pub azimuth: f64,
+    /// Degrees above the horizon, -90 to 90. Default 20.
+    pub elevation: f64,
+    /// Degrees the picture is turned clockwise. Default 0.
+    pub roll: f64,
+    /// Distance of the eye from the target in world units; left out, the volumes are framed.
+    pub distance: Option<f64>,
+    /// Magnification on top of framing, greater than 0. Default 1.
+    pub zoom: f64,
+    /// World position looked at; left out, the middle of the volumes.
+    pub target: Option<[f64; 3]>,
+}
+
+impl Default for Orbit {
+    fn default() -> Self {
+        Self { azimuth: 30.0, elevation: 20.0, roll: 0.0, distance: None, zoom: 1.0, target: None }
+    }
+}
+
+/// A camera given by positions in the world.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LookAt {
+    /// World position of the eye.
+    pub position: [f64; 3],
+    /// World position in the middle of the picture.
+    pub target: [f64; 3],
+    /// Direction that points up in the picture. Default +z.
+    #[serde(default = "up_z")]
+    pub up: [f64; 3],
+}
+
+fn up_z() -> [f64; 3] {
+    [0.0, 0.0, 1.0]
+}
+
+impl Camera {
+    pub(crate) fn check(&self, path: &str) -> Checked {
+        match self.projection {
+            Projection::Perspective { vertical_fov } => require(
+                vertical_fov > 0.0 && vertical_fov < 180.0,
+                path,
+                "projection.perspective.vertical_fov",
+                vertical_fov,
+                "degrees between 0 and 180",
+            )?,
+            Projection::Orthographic { height } => require(
+                height.is_none_or(|h| h > 0.0 && h.is_finite()),
+                path,
+                "projection.orthographic.height",
+                height.unwrap_or(f64::NAN),
+                "a length greater than 0",
+            )?,
+        }
+        match &self.view {
+            View::Orbit(orbit) => orbit.check(&format!("{path}.view.orbit")),
+            View::LookAt(look) => look.check(&format!("{path}.view.look_at")),
+        }
+    }
+
+    /// The explicit camera for a picture of `width` x `height` pixels. Where target, distance or
+    /// height are left automatic, it looks at the middle of `corners` and frames them all.
+    pub fn viewpoint(&self, width: usize, height: usize, corners: &[DVec3]) -> Viewpoint {
+        let first = corners.first().copied().unwrap_or(DVec3::ZERO);
+        let (low, high) = corners.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
+        let (target, back, up_hint, zoom, distance) = match self.view {
+            View::LookAt(look) => {
+                let (eye, target) = (DVec3::from_array(look.position), DVec3::from_array(look.target));
+                (target, eye - target, DVec3::from_array(look.up), 1.0, Some((eye - target).length()))
+            }
+            View::Orbit(orbit) => {
+                let target = orbit.target.map_or((low + high) / 2.0, DVec3::from_array);
+                let (back, up) = orbit.frame();
+                (target, back, up, orbit.zoom, orbit.distance)
+            }
+        };
+        let back = back.normalize();
+        let right = up_hint.cross(back).try_normalize().unwrap_or_else(|| back.any_orthonormal_vector());
+        let up = back.cross(right);
+        let aspect = width as f64 / height as f64;
+        // Offsets of the corners from the target, as (across, upward, towards the eye); across is
+        // scaled so that both picture axes reach as far.
+        let offsets = || {
+            corners.iter().map(|&p| {
+                let p = p - target;
+                ((p.dot(right).abs() / aspect).max(p.dot(up).abs()), p.dot(back))
+            })
+        };
+        let eye = |distance: f64| target + back * distance;
+        let common = |eye, half_height, perspective| Viewpoint {
+            eye,
+            right,
+            up,
+            forward: -back,
+            half_height,
+            perspective,
+            width,
+            height,
+        };
+        match self.projection {
+            Projection::Perspective { vertical_fov } => {
+                let tangent = (vertical_fov.to_radians() / 2.0).tan();
+                let framed = || offsets().map(|(reach, near)| near + reach * MARGIN / tangent).fold(0.0, f64::max);
+                common(eye(distance.unwrap_or_else(|| framed() / zoom)), tangent, true)
+            }
+            Projection::Orthographic { height: picture } => {
+                let reach = offsets().map(|(reach, _)| reach).fold(0.0, f64::max);
+                let depth = offsets().map(|(_, near)| near).fold(0.0, f64::max);
+                let half_height = picture.map_or(reach * MARGIN / zoom, |h| h / 2.0);
+                common(eye(distance.unwrap_or(depth + reach)), half_height.max(f64::MIN_POSITIVE), false)
+            }
+        }
+    }
+}
+
+/// Room left around framed volumes.
+const MARGIN: f64 = 1.04;
+
+impl Orbit {
+    /// The directions from the target to the eye, and up in the picture.
+    fn frame(&self) -> (DVec3, DVec3) {
+        let (sin_a, cos_a) = self.azimuth.to_radians().sin_cos();
+        let (sin_e, cos_e) = self.elevation.to_radians().sin_cos();
+        let back = DVec3::new(cos_e * sin_a, -cos_e * cos_a, sin_e);
+        // The derivative of `back` by elevation: a valid up even at the poles.
+        let up = DVec3::new(-sin_e * sin_a, sin_e * cos_a, cos_e);
+        let (sin_r, cos_r) = self.roll.to_radians().sin_cos();
+        (back, up * cos_r - up.cross(back) * sin_r)
+    }
+
+    fn check(&self, path: &str) -> Checked {
+        for (key, angle) in [("azimuth", self.azimuth), ("roll", self.roll)] {
+            require(angle.is_finite(), path, key, angle, "finite degrees")?;
+        }
+        let elevation = self.elevation;
+        require((-90.0..=90.0).contains(&elevation), path, "elevation", elevation, "degrees from -90 to 90")?;
+        require(self.zoom > 0.0 && self.zoom.is_finite(), path, "zoom", self.zoom, "a factor greater than 0")?;
+        if let Some(distance) = self.distance {
+            require(distance > 0.0 && distance.is_finite(), path, "distance", distance, "a length greater than 0")?;
+        }
+        self.target.map_or(Ok(()), |target| finite(path, "target", target))
+    }
+}
+
+impl LookAt {
+    fn check(&self, path: &str) -> Checked {
+        finite(path, "position", self.position)?;
+        finite(path, "target", self.target)?;
+        direction(path, "up", self.up)?;
+        let away: [f64; 3] = std::array::from_fn(|axis| self.target[axis] - self.position[axis]);
+        let apart = away.iter().any(|d| d.abs() > 1e-12);
+        require(apart, path, "target", format!("{:?}", self.target), "a position apart from the camera's")
+    }
+}
+
+/// A ray with a unit direction: `origin + t * direction`, t in world units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where t = 0.
+    pub origin: DVec3,
+    /// Unit direction.
+    pub direction: DVec3,
+}
+
+impl Ray {
+    /// The point at distance t.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + self.direction * t
+    }
+}
+
+/// A camera with nothing left to choose: an orthonormal frame and the size of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viewpoint {
+    /// World position of the eye (of the middle of the image plane, if orthographic).
+    pub eye: DVec3,
+    /// Unit direction of picture +x.
+    pub right: DVec3,
+    /// Unit direction of picture up.
+    pub up: DVec3,
+    /// Unit direction of view.
+    pub forward: DVec3,
+    /// Half the picture's height: at distance 1 (perspective) or in world units (orthographic).
+    pub half_height: f64,
+    /// Whether rays leave one point.
+    pub perspective: bool,
+    /// Pixels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+impl Viewpoint {
+    /// The ray through picture position (x, y) in pixels: (0, 0) is the top left corner of the
+    /// picture, (0.5, 0.5) the middle of its first pixel. Pixels are square.
+    pub fn ray(&self, x: f64, y: f64) -> Ray {
+        let scale = 2.0 * self.half_height / self.height as f64;
+        let across = self.right * ((x - self.width as f64 / 2.0) * scale);
+        let upward = self.up * ((self.height as f64 / 2.0 - y) * scale);
+        if self.perspective {
+            Ray { origin: self.eye, direction: (self.forward + across + upward).normalize() }
+        } else {
+            Ray { origin: self.eye + across + upward, direction: self.forward }
+        }
+    }
+
+    /// Unit vector from a point towards the eye.
+    pub fn to_eye(&self, point: DVec3) -> DVec3 {
+        if self.perspective { (self.eye - point).try_normalize().unwrap_or(-self.forward) } else { -self.forward }
+    }
+}

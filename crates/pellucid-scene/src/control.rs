@@ -1,0 +1,43 @@
+//! Progress and cancellation of long work.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A switch that stops a render from another thread. Clones share it.
+#[derive(Clone, Debug, Default)]
+pub struct Cancel(Arc<AtomicBool>);
+
+impl Cancel {
+    /// Asks the work to stop; it returns within 50 ms.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the work was asked to stop.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// How a caller watches and stops a render.
+#[derive(Clone, Copy, Default)]
+pub struct Control<'a> {
+    /// Called with the share done, 0 to 1, from any thread and never backwards.
+    pub progress: Option<&'a (dyn Fn(f64) + Sync)>,
+    /// Stops the work.
+    pub cancel: Option<&'a Cancel>,
+}
+
+impl Control<'_> {
+    /// Whether the work was asked to stop.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancel.is_some_and(Cancel::is_cancelled)
+    }
+
+    /// Reports the share done.
+    pub fn report(&self, share: f64) {
+        if let Some(progress) = self.progress {
+            progress(share);
+        }
+    }
+}

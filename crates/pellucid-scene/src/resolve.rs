@@ -1,0 +1,221 @@
+//! From a document and loaded volumes to a stage: everything automatic is chosen, and said.
+
+use std::fmt;
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DVec3};
+use pellucid_field::{FieldError, Grid, Volume};
+use pellucid_optics::{GradientWeight, Light, Material, OpticsError, ResolvedLight, TransferFunction};
+
+use crate::auto;
+use crate::{Crop, ImageSettings, Invalid, Mode, Quality, RayCast, Region, Scene, Technique, Viewpoint, VolumeEntry};
+
+/// A volume with its optics, nothing left to choose.
+#[derive(Clone, Debug)]
+pub struct StageVolume {
+    /// The voxels.
+    pub volume: Arc<Volume>,
+    /// The component drawn.
+    pub component: usize,
+    /// The transfer function; its unit distance is set.
+    pub transfer_function: TransferFunction,
+    /// How surfaces reflect; `None` leaves them unlit.
+    pub material: Option<Material>,
+    /// Gradient magnitudes between which unlit turns into lit, if shading is weighted.
+    pub gradient_weight: Option<GradientWeight>,
+    /// Where in the world this volume is not clipped or cropped away.
+    pub region: Region,
+}
+
+impl StageVolume {
+    /// World distance the transfer function's opacities hold for.
+    pub fn unit_distance(&self) -> f64 {
+        self.transfer_function.unit_distance().unwrap_or_else(|| self.volume.grid().mean_spacing())
+    }
+}
+
+/// A scene with nothing left to choose: what a backend draws.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// The volumes.
+    pub volumes: Vec<StageVolume>,
+    /// The camera and the size of the picture.
+    pub viewpoint: Viewpoint,
+    /// Lights, all in the world's frame.
+    pub lights: Vec<ResolvedLight>,
+    /// Light from everywhere, reflected by the materials' ambient part.
+    pub ambient: f32,
+    /// Technique and its settings; isovalues ascend.
+    pub technique: Technique,
+    /// Quality settings.
+    pub quality: Quality,
+    /// Background and encoding.
+    pub image: ImageSettings,
+    /// Distance between samples in world units.
+    pub step: f64,
+}
+
+/// Something that was chosen because the scene left it open.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Choice {
+    /// The setting.
+    pub setting: &'static str,
+    /// What was chosen, and why.
+    pub chosen: String,
+}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.setting, self.chosen)
+    }
+}
+
+/// Why a scene does not fit its volumes.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ResolveError {
+    /// A value out of range.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
+    /// The scene lists another number of volumes than were loaded, or none.
+    #[error("the scene lists {listed} volumes and {loaded} were loaded; at least one is needed")]
+    Volumes {
+        /// Volumes in the document.
+        listed: usize,
+        /// Volumes loaded.
+        loaded: usize,
+    },
+    /// A component that the volume does not have.
+    #[error("volumes[{volume}].component is {found}, but the volume has {components} (numbered from 0)")]
+    Component {
+        /// Position in the list.
+        volume: usize,
+        /// The component asked for.
+        found: usize,
+        /// Components per voxel.
+        components: usize,
+    },
+    /// A spacing that does not fit the grid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// Optics that cannot be made: an unknown name, a window that does not fit.
+    #[error("{path}: {error}")]
+    Optics {
+        /// Where in the document.
+        path: String,
+        /// What is wrong.
+        error: OpticsError,
+    },
+}
+
+impl Scene {
+    /// Fills in what is left automatic for the loaded volumes (one per entry, in order).
+    ///
+    /// # Errors
+    /// [`ResolveError`].
+    pub fn resolve(&self, volumes: &[Arc<Volume>]) -> Result<(Stage, Vec<Choice>), ResolveError> {
+        self.validate()?;
+        if volumes.is_empty() || volumes.len() != self.volumes.len() {
+            return Err(ResolveError::Volumes { listed: self.volumes.len(), loaded: volumes.len() });
+        }
+        let mut choices = Vec::new();
+        let mut staged = Vec::new();
+        for (k, (entry, volume)) in self.volumes.iter().zip(volumes).enumerate() {
+            staged.push(self.stage_volume(k, entry, volume, &mut choices)?);
+        }
+        let corners: Vec<DVec3> = staged.iter().flat_map(|v| v.volume.grid().world_corners()).collect();
+        let ImageSettings { width, height, .. } = self.image;
+        let viewpoint = self.camera.viewpoint(width as usize, height as usize, &corners);
+        choices.extend(auto::camera_choice(&self.camera, &viewpoint));
+        let smallest = staged.iter().map(|v| v.volume.grid().smallest_spacing()).fold(f64::INFINITY, f64::min);
+        let stage = Stage {
+            lights: self.world_lights(&viewpoint)?,
+            ambient: self.lighting.ambient,
+            volumes: staged,
+            viewpoint,
+            technique: self.ordered_technique(),
+            quality: self.quality.clone(),
+            image: self.image.clone(),
+            step: self.quality.step * smallest,
+        };
+        Ok((stage, choices))
+    }
+
+    fn stage_volume(
+        &self,
+        k: usize,
+        entry: &VolumeEntry,
+        volume: &Arc<Volume>,
+        choices: &mut Vec<Choice>,
+    ) -> Result<StageVolume, ResolveError> {
+        let components = volume.components();
+        if entry.component >= components {
+            return Err(ResolveError::Component { volume: k, found: entry.component, components });
+        }
+        let volume = match entry.spacing {
+            None => volume.clone(),
+            Some(spacing) => Arc::new((**volume).clone().with_grid(respaced(volume.grid(), spacing)?)?),
+        };
+        let mut region = Region::from_clips(&self.clips);
+        if let Some(crop) = &entry.crop {
+            keep_crop(&mut region, volume.grid(), crop);
+        }
+        let path = format!("volumes[{k}]");
+        let look = auto::look(entry, &volume, self.mode(), choices)
+            .map_err(|error| ResolveError::Optics { path, error })?;
+        Ok(StageVolume {
+            component: entry.component,
+            transfer_function: look.transfer_function,
+            material: look.material,
+            gradient_weight: look.gradient_weight,
+            region,
+            volume,
+        })
+    }
+
+    fn mode(&self) -> &Mode {
+        let Technique::RayCast(RayCast { mode }) = &self.technique;
+        mode
+    }
+
+    fn ordered_technique(&self) -> Technique {
+        let mut technique = self.technique.clone();
+        let Technique::RayCast(RayCast { mode }) = &mut technique;
+        if let Mode::Isosurface(surfaces) = mode {
+            surfaces.isovalues.sort_by(|a, b| a.value.total_cmp(&b.value));
+        }
+        technique
+    }
+
+    fn world_lights(&self, view: &Viewpoint) -> Result<Vec<ResolvedLight>, ResolveError> {
+        let world_from_camera =
+            DAffine3 { matrix3: DMat3::from_cols(view.right, view.up, -view.forward), translation: view.eye };
+        let resolve = |(k, light): (usize, &Light)| {
+            let path = format!("lighting.lights[{k}]");
+            light.resolve(world_from_camera).map_err(|error| ResolveError::Optics { path, error })
+        };
+        self.lighting.lights.iter().enumerate().map(resolve).collect()
+    }
+}
+
+/// A grid with the same axes and origin and another distance between samples.
+fn respaced(grid: &Grid, spacing: [f64; 3]) -> Result<Grid, FieldError> {
+    let mut affine = grid.world_from_index();
+    let old = grid.spacing();
+    for axis in 0..3 {
+        *affine.matrix3.col_mut(axis) *= spacing[axis] / old[axis];
+    }
+    Grid::with_affine(grid.dims(), affine)
+}
+
+/// Keeps the part of a grid between two continuous indices.
+fn keep_crop(region: &mut Region, grid: &Grid, crop: &Crop) {
+    let world_from_index = grid.world_from_index();
+    for axis in 0..3 {
+        // A plane of constant index has the world gradient of that index as its normal.
+        let normal = grid.world_from_index_gradient().col(axis).normalize();
+        for (bound, side) in [(crop.from, 1.0), (crop.to, -1.0)] {
+            region.keep(normal * side, world_from_index.transform_point3(DVec3::from_array(bound)));
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! The scene document.
+
+use std::path::PathBuf;
+
+use glam::DAffine3;
+use pellucid_field::VoxelType;
+use pellucid_optics::{GradientWeight, Lighting, Material, TransferFunction};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::check::{Checked, join, require};
+use crate::{Camera, Clip, ImageSettings, Invalid, Quality, Technique};
+
+/// Everything that decides a picture. Whatever is left out is chosen automatically or takes its
+/// documented default.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Scene {
+    /// Version of the document; this program reads version 1.
+    pub version: u32,
+    /// One line about the picture.
+    pub title: String,
+    /// The volumes with their optics.
+    pub volumes: Vec<VolumeEntry>,
+    /// The camera; left out, it frames the volumes.
+    pub camera: Camera,
+    /// The lights; left out, one headlight.
+    pub lighting: Lighting,
+    /// Clip objects; what all of them keep is drawn.
+    pub clips: Vec<Clip>,
+    /// Which technique draws, and its settings.
+    pub technique: Technique,
+    /// How carefully to draw.
+    pub quality: Quality,
+    /// Size, background and encoding of the picture.
+    pub image: ImageSettings,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            version: 1,
+            title: String::new(),
+            volumes: Vec::new(),
+            camera: Camera::default(),
+            lighting: Lighting::default(),
+            clips: Vec::new(),
+            technique: Technique::default(),
+            quality: Quality::default(),
+            image: ImageSettings::default(),
+        }
+    }
+}
+
+/// One volume and how it looks.
+///
+/// The transfer function comes from, in this order: `transfer_function`; else `colormap` and
+/// `opacity` over the window, each completed from the preset if only one is given; else `preset`;
+/// else an automatic choice by the data's unit and range.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VolumeEntry {
+    /// Where the voxels come from.
+    pub source: Source,
+    /// Which component of the voxels is drawn, from 0.
+    #[serde(default)]
+    pub component: usize,
+    /// Distance between samples per axis, replacing the file's.
+    #[serde(default)]
+    pub spacing: Option<[f64; 3]>,
+    /// Part of the grid that is kept; the rest is absent.
+    #[serde(default)]
+    pub crop: Option<Crop>,
+    /// Name of a preset (`pellucid presets` lists them).
+    #[serde(default)]
+    pub preset: Option<String>,
+    /// Data values that presets, colour maps and opacity shapes are spread over; left out, chosen
+    /// from the histogram.
+    #[serde(default)]
+    pub window: Option<[f64; 2]>,
+    /// Name of a colour map, `_r` reverses it.
+    #[serde(default)]
+    pub colormap: Option<String>,
+    /// Name of an opacity shape (linear, sigmoid_5, geom, foreground, ...), `_r` reverses it.
+    #[serde(default)]
+    pub opacity: Option<String>,
+    /// World distance the opacities hold for, replacing that of the transfer function or preset.
+    #[serde(default)]
+    pub unit_distance: Option<f64>,
+    /// The transfer function in full.
+    #[serde(default)]
+    pub transfer_function: Option<TransferFunction>,
+    /// Whether surfaces are lit; left out, the preset decides.
+    #[serde(default)]
+    pub shading: Option<bool>,
+    /// How surfaces reflect; left out, the preset's.
+    #[serde(default)]
+    pub material: Option<Material>,
+    /// Gradient magnitudes between which unlit turns into lit; left out, the preset's or none.
+    #[serde(default)]
+    pub gradient_weight: Option<GradientWeight>,
+}
+
+impl VolumeEntry {
+    /// A volume from a source, everything else automatic.
+    pub fn new(source: Source) -> Self {
+        Self {
+            source,
+            component: 0,
+            spacing: None,
+            crop: None,
+            preset: None,
+            window: None,
+            colormap: None,
+            opacity: None,
+            unit_distance: None,
+            transfer_function: None,
+            shading: None,
+            material: None,
+            gradient_weight: None,
+        }
+    }
+
+    fn check(&self, path: &str) -> Checked {
+        self.source.check(&join(path, "source"))?;
+        if let Some(spacing) = self.spacing {
+            positive(path, "spacing", &spacing)?;
+        }
+        if let Some(Crop { from, to }) = self.crop {
+            let ordered = (0..3).all(|axis| from[axis] < to[axis]);
+            require(ordered, path, "crop.to", format!("{to:?}"), &format!("more than from {from:?} on every axis"))?;
+        }
+        if let Some([low, high]) = self.window {
+            let ordered = low.is_finite() && high.is_finite() && low < high;
+            require(ordered, path, "window", format!("[{low}, {high}]"), "two values, the lower first")?;
+        }
+        if let Some(unit) = self.unit_distance {
+            positive(path, "unit_distance", &[unit])?;
+        }
+        let optics = |part: &str, error: &dyn std::fmt::Display| Invalid { path: join(path, part), message: error.to_string() };
+        if let Some(material) = &self.material {
+            material.validate().map_err(|error| optics("material", &error))?;
+        }
+        if let Some(weight) = &self.gradient_weight {
+            weight.validate().map_err(|error| optics("gradient_weight", &error))?;
+        }
+        Ok(())
+    }
+}
+
+fn positive(path: &str, key: &str, lengths: &[f64]) -> Checked {
+    let holds = lengths.iter().all(|l| *l > 0.0 && l.is_finite());
+    require(holds, path, key, format!("{lengths:?}"), "lengths greater than 0")
+}
+
+/// Part of a grid, in continuous voxel indices.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Crop {
+    /// Lowest index kept, x, y, z.
+    pub from: [f64; 3],
+    /// Highest index kept.
+    pub to: [f64; 3],
+}
+
+/// Where voxels come from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum Source {
+    /// A file that describes itself; a relative path starts at the scene's folder.
+    File(PathBuf),
+    /// A headerless file.
+    Raw {
+        /// The file; a relative path starts at the scene's folder.
+        path: PathBuf,
+        /// Voxels per axis, x (fastest), y, z.
+        dims: [usize; 3],
+        /// Type of the values.
+        voxel_type: VoxelType,
+        /// Interleaved values per voxel, 1 to 4. Default 1.
+        #[serde(default = "one")]
+        components: usize,
+        /// Bytes before the first value. Default 0.
+        #[serde(default)]
+        skip: u64,
+        /// Whether values are stored most significant byte first. Default false.
+        #[serde(default)]
+        big_endian: bool,
+    },
+    /// A built-in closed-form field (`pellucid sample --list`).
+    Sample(SampleSource),
+    /// Voxels handed over by the program.
+    Memory,
+}
+
+fn one() -> usize {
+    1
+}
+
+/// A built-in field, sampled.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SampleSource {
+    /// Its name.
+    pub name: String,
+    /// Voxels per axis; left out, the field's own default.
+    #[serde(default)]
+    pub dims: Option<[usize; 3]>,
+    /// Type of the values; left out, the field's own default.
+    #[serde(default)]
+    pub voxel_type: Option<VoxelType>,
+}
+
+impl Source {
+    fn check(&self, path: &str) -> Checked {
+        let dims = match self {
+            Self::Raw { dims, components, .. } => {
+                require((1..=4).contains(components), path, "raw.components", components, "1 to 4")?;
+                Some((dims, "raw.dims"))
+            }
+            Self::Sample(sample) => sample.dims.as_ref().map(|dims| (dims, "sample.dims")),
+            Self::File(_) | Self::Memory => None,
+        };
+        let Some((dims, key)) = dims else { return Ok(()) };
+        require(dims.iter().all(|n| (1..=65_536).contains(n)), path, key, format!("{dims:?}"), "1 to 65536 per axis")
+    }
+}
+
+impl Scene {
+    /// A scene of one volume, everything else automatic.
+    pub fn of(source: Source) -> Self {
+        Self { volumes: vec![VolumeEntry::new(source)], ..Self::default() }
+    }
+
+    /// Checks every value against its documented range.
+    ///
+    /// # Errors
+    /// The first value out of range, with its path in the document.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        require(self.version == 1, "", "version", self.version, "1, the version this program reads")?;
+        for (k, entry) in self.volumes.iter().enumerate() {
+            entry.check(&format!("volumes[{k}]"))?;
+        }
+        self.camera.check("camera")?;
+        for (k, light) in self.lighting.lights.iter().enumerate() {
+            light.resolve(DAffine3::IDENTITY).map_err(|error| Invalid {
+                path: format!("lighting.lights[{k}]"),
+                message: error.to_string(),
+            })?;
+        }
+        let ambient = self.lighting.ambient;
+        require(ambient >= 0.0 && ambient.is_finite(), "lighting", "ambient", ambient, "0 or more")?;
+        for (k, clip) in self.clips.iter().enumerate() {
+            clip.check(&format!("clips[{k}]"))?;
+        }
+        self.technique.check("technique")?;
+        self.quality.check("quality")?;
+        self.image.check("image")
+    }
+}
