@@ -1,0 +1,175 @@
+//! Emission and absorption, front to back (1.4-8, 7.1-2).
+
+use glam::DVec3;
+use pellucid_field::Reconstruct;
+use pellucid_optics::{PreIntegration, correct_associated};
+
+use crate::integrator::{Integrator, Tally, Traced};
+use crate::lattice::Lattice;
+use crate::medium::Classify;
+use crate::probe::Probe;
+use crate::skip::BlockMap;
+use crate::span::Span;
+use crate::surface::{Surface, normal};
+
+/// What every compositing loop shares: the field, light, empty blocks and the stop criterion.
+pub struct Medium<'a, R> {
+    /// The field.
+    pub probe: Probe<'a, R>,
+    /// Light, if surfaces are shaded.
+    pub surface: Option<Surface<'a>>,
+    /// Blocks and which of them can contribute, if empty space is skipped.
+    pub skip: Option<(BlockMap<'a>, Vec<bool>)>,
+    /// Opacity at which a ray stops.
+    pub early_termination: f32,
+}
+
+/// One ray's accumulated light.
+struct Accumulator {
+    color: [f32; 4],
+    /// Distance and value where opacity first reached one half.
+    half: Option<f64>,
+}
+
+impl<R: Reconstruct> Medium<'_, R> {
+    /// Shades an associated sample: colour is lit, opacity stays (5.4-1: the light is weighted by
+    /// the sample's opacity, or transparent samples would glow).
+    #[inline]
+    fn lit(&self, span: &Span, t: f64, value: f64, rgba: [f32; 4]) -> [f32; 4] {
+        let Some(surface) = &self.surface else { return rgba };
+        let [r, g, b, a] = rgba;
+        let base = [r / a, g / a, b / a];
+        let gradient = self.probe.gradient(span.index_at(t), value);
+        let [r, g, b] = surface.shade(base, span.ray.at(t), gradient, -span.ray.direction);
+        [r * a, g * a, b * a, a]
+    }
+
+    /// Adds a sample behind what is there. Returns whether the ray is done.
+    #[inline(always)]
+    fn add(&self, ray: &mut Accumulator, t: f64, rgba: [f32; 4]) -> bool {
+        let through = 1.0 - ray.color[3];
+        for channel in 0..4 {
+            ray.color[channel] += through * rgba[channel];
+        }
+        if ray.half.is_none() && ray.color[3] >= 0.5 {
+            ray.half = Some(t);
+        }
+        ray.color[3] >= self.early_termination
+    }
+
+    fn finish(&self, ray: &Accumulator, span: &Span) -> Traced {
+        let Some(depth) = ray.half else { return Traced { color: ray.color, ..Traced::NOTHING } };
+        let index = span.index_at(depth);
+        let value = self.probe.value(index);
+        let normal = if value.is_nan() { DVec3::ZERO } else { normal(self.probe.gradient(index, value)) };
+        Traced { color: ray.color, depth, normal }
+    }
+}
+
+/// Compositing of classified samples.
+pub struct Composite<'a, R, C> {
+    /// The shared parts.
+    pub medium: Medium<'a, R>,
+    /// How samples get colour and opacity.
+    pub classifier: C,
+}
+
+impl<R: Reconstruct, C: Classify<R>> Integrator for Composite<'_, R, C> {
+    fn trace(&self, span: &Span, lattice: &Lattice, tally: &mut Tally) -> Traced {
+        let medium = &self.medium;
+        let mut ray = Accumulator { color: [0.0; 4], half: None };
+        let mut k = 0;
+        while k < lattice.count {
+            if let Some((map, live)) = &medium.skip
+                && let Some(next) = map.leap(span, lattice, k, |block| !live[block])
+            {
+                tally.skipped += (next - k) as u64;
+                k = next;
+                continue;
+            }
+            let t = lattice.sample(k);
+            tally.samples += 1;
+            let (value, mut rgba) = self.classifier.classify(&medium.probe, span.index_at(t));
+            if rgba[3] > 0.0 {
+                tally.visible += 1;
+                let ratio = lattice.ratio(k);
+                if ratio < 1.0 {
+                    rgba = correct_associated(rgba, ratio as f32);
+                }
+                if medium.add(&mut ray, t, medium.lit(span, t, value, rgba)) {
+                    tally.terminated += 1;
+                    break;
+                }
+            }
+            k += 1;
+        }
+        medium.finish(&ray, span)
+    }
+}
+
+/// Compositing of pre-integrated segments between the nodes of the lattice (4.6-7, 7.2-3): one
+/// fetch a step, and the first segment starts at the entry, not at a made-up value of 0.
+pub struct PreIntegrated<'a, R> {
+    /// The shared parts.
+    pub medium: Medium<'a, R>,
+    /// Ray integrals of one full step.
+    pub table: &'a PreIntegration,
+}
+
+impl<R: Reconstruct> Integrator for PreIntegrated<'_, R> {
+    fn trace(&self, span: &Span, lattice: &Lattice, tally: &mut Tally) -> Traced {
+        let medium = &self.medium;
+        let mut ray = Accumulator { color: [0.0; 4], half: None };
+        // `front` is the value at node n - 1, fetched when it is not carried over.
+        let mut front = None;
+        let mut n = 1;
+        while n <= lattice.count + 1 {
+            let start = lattice.node(n - 1, span.exit);
+            if let Some((map, live)) = &medium.skip
+                && let Some(next) = lattice.leap_nodes(n, map.dead_until(span, start, |block| !live[block]))
+            {
+                tally.skipped += (next - n) as u64;
+                n = next;
+                front = None;
+                continue;
+            }
+            let end = lattice.node(n, span.exit);
+            let carried = front.unwrap_or_else(|| {
+                tally.samples += 1;
+                medium.probe.value(span.index_at(start))
+            });
+            tally.samples += 1;
+            let back = medium.probe.value(span.index_at(end));
+            front = Some(back);
+            let ratio = (end - start) / lattice.step();
+            if let Some(rgba) = self.segment(carried, back, ratio) {
+                tally.visible += 1;
+                let middle = (start + end) / 2.0;
+                let value = if medium.surface.is_some() { medium.probe.value(span.index_at(middle)) } else { f64::NAN };
+                if medium.add(&mut ray, middle, medium.lit(span, middle, value, rgba)) {
+                    tally.terminated += 1;
+                    break;
+                }
+            }
+            n += 1;
+        }
+        medium.finish(&ray, span)
+    }
+}
+
+impl<R> PreIntegrated<'_, R> {
+    /// The integral over a segment with the values at its ends, if it has any opacity. Where one
+    /// end is absent the field reaches half way with the value of the other.
+    #[inline(always)]
+    fn segment(&self, front: f64, back: f64, ratio: f64) -> Option<[f32; 4]> {
+        let (front, back, ratio) = match (front.is_nan(), back.is_nan()) {
+            (false, false) => (front, back, ratio),
+            (false, true) => (front, front, ratio / 2.0),
+            (true, false) => (back, back, ratio / 2.0),
+            (true, true) => return None,
+        };
+        let rgba = self.table.lookup(front as f32, back as f32);
+        let rgba = if ratio == 1.0 { rgba } else { correct_associated(rgba, ratio as f32) };
+        (rgba[3] > 0.0).then_some(rgba)
+    }
+}

@@ -1,0 +1,42 @@
+//! "What is the field here?" — one answer for samples, gradients and surfaces.
+
+use glam::{DMat3, DVec3};
+use pellucid_field::{Gradient, Grid, Reconstruct, index_gradient};
+use pellucid_scene::Region;
+
+/// A reconstructed field inside its clip region; what is clipped is absent.
+pub struct Probe<'a, R> {
+    field: R,
+    region: &'a Region,
+    grid: &'a Grid,
+    gradient: Gradient,
+    world_from_index_gradient: DMat3,
+}
+
+impl<'a, R: Reconstruct> Probe<'a, R> {
+    /// A probe of a field on a grid.
+    pub fn new(field: R, grid: &'a Grid, region: &'a Region, gradient: Gradient) -> Self {
+        Self { field, region, grid, gradient, world_from_index_gradient: grid.world_from_index_gradient() }
+    }
+
+    /// The data value at an index position inside the region; NaN where absent. Positions on a
+    /// span are inside by construction, so no clip is asked here.
+    #[inline(always)]
+    pub fn value(&self, index: DVec3) -> f64 {
+        self.field.value(index)
+    }
+
+    /// The gradient in data units per world unit, one-sided beside whatever is absent or clipped.
+    #[inline]
+    pub fn gradient(&self, index: DVec3, center: f64) -> DVec3 {
+        let gradient = if self.region.is_everything() {
+            self.field.gradient(self.gradient, index, center)
+        } else {
+            let world_from_index = self.grid.world_from_index();
+            index_gradient(self.gradient, index, center, |p| {
+                if self.region.contains(world_from_index.transform_point3(p)) { self.field.value(p) } else { f64::NAN }
+            })
+        };
+        self.world_from_index_gradient * gradient
+    }
+}

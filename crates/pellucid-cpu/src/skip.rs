@@ -1,0 +1,75 @@
+//! Empty-space skipping over min-max blocks (7.3-6).
+//!
+//! Leaps go from lattice sample to lattice sample and only over samples that add exactly nothing,
+//! so the picture is the same to the bit with skipping on and off.
+
+use glam::DVec3;
+use pellucid_field::Blocks;
+
+use crate::lattice::Lattice;
+use crate::span::Span;
+
+/// The blocks of a volume as a ray sees them.
+pub struct BlockMap<'a> {
+    ranges: &'a [[f32; 2]],
+    size: f64,
+    dims: [usize; 3],
+}
+
+impl<'a> BlockMap<'a> {
+    /// A map over min-max blocks.
+    pub fn new(blocks: &'a Blocks) -> Self {
+        Self { ranges: blocks.ranges(), size: blocks.size() as f64, dims: blocks.dims() }
+    }
+
+    /// One flag per block: whether its value range satisfies `live`. Wholly absent blocks do not.
+    pub fn flags(&self, live: impl Fn(f32, f32) -> bool) -> Vec<bool> {
+        (0..self.ranges.len()).map(|b| self.range(b).is_some_and(|[low, high]| live(low, high))).collect()
+    }
+
+    /// Value range of a block; `None` if it is wholly absent.
+    #[inline(always)]
+    pub fn range(&self, block: usize) -> Option<[f32; 2]> {
+        Some(self.ranges[block]).filter(|range| *range != Blocks::ABSENT)
+    }
+
+    /// If the block at distance t is dead, the distance up to which the ray surely stays in it.
+    #[inline(always)]
+    pub fn dead_until(&self, span: &Span, t: f64, dead: impl Fn(usize) -> bool) -> Option<f64> {
+        let index = span.index_at(t);
+        let block: [usize; 3] =
+            std::array::from_fn(|axis| ((index[axis].max(0.0) / self.size) as usize).min(self.dims[axis] - 1));
+        if !dead(block[0] + self.dims[0] * (block[1] + self.dims[1] * block[2])) {
+            return None;
+        }
+        Some(t + self.leave(index, block, span.index_direction()))
+    }
+
+    /// The first lattice sample after k that may lie outside the dead block of sample k; `None` if
+    /// that block is live.
+    #[inline(always)]
+    pub fn leap(&self, span: &Span, lattice: &Lattice, k: usize, dead: impl Fn(usize) -> bool) -> Option<usize> {
+        let until = self.dead_until(span, lattice.sample(k), dead)?;
+        Some(lattice.first_at(until).max(k + 1))
+    }
+
+    /// Distance from a position to the border of its block, a little short of it so that rounding
+    /// never leaps over a sample of the next block.
+    fn leave(&self, index: DVec3, block: [usize; 3], direction: DVec3) -> f64 {
+        const MARGIN: f64 = 1e-6;
+        let mut nearest = f64::INFINITY;
+        for axis in 0..3 {
+            let d = direction[axis];
+            let last = block[axis] + 1 == self.dims[axis];
+            let border = if d > 0.0 && !last {
+                (block[axis] + 1) as f64 * self.size - MARGIN
+            } else if d < 0.0 && block[axis] > 0 {
+                block[axis] as f64 * self.size + MARGIN
+            } else {
+                continue;
+            };
+            nearest = nearest.min((border - index[axis]) / d);
+        }
+        nearest.max(0.0)
+    }
+}
