@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use pellucid_field::{FieldError, Volume, Warning, closed_form};
+use pellucid_field::{FieldError, Grid, Volume, Warning, closed_form};
 use pellucid_io::{Endian, IoError, RawLayout, ReadOptions};
 use pellucid_scene::{SampleSource, Scene, Source};
 
@@ -32,9 +32,17 @@ pub enum LoadError {
         /// What is impossible.
         source: FieldError,
     },
+    /// A built-in field at this resolution does not fit into memory.
+    #[error("volumes[{volume}].source.sample: {bytes} bytes of voxels do not fit into memory: choose smaller dims")]
+    Memory {
+        /// Position in the list of volumes.
+        volume: usize,
+        /// Bytes needed.
+        bytes: usize,
+    },
     /// The scene expects a program to bring the voxels.
     #[error("volumes[{volume}].source is 'memory': only a program that holds the voxels can draw this scene")]
-    Memory {
+    Absent {
         /// Position in the list of volumes.
         volume: usize,
     },
@@ -64,7 +72,7 @@ pub fn load(scene: &Scene, base: impl AsRef<Path>) -> Result<(Vec<Arc<Volume>>, 
                 read(&base.as_ref().join(path), &options, &mut warnings)?
             }
             Source::Sample(sample) => sampled(k, sample)?,
-            Source::Memory => return Err(LoadError::Memory { volume: k }),
+            Source::Memory => return Err(LoadError::Absent { volume: k }),
         };
         volumes.push(Arc::new(volume));
     }
@@ -93,5 +101,11 @@ fn sampled(volume: usize, sample: &SampleSource) -> Result<Volume, LoadError> {
     let about = field.about();
     let dims = sample.dims.unwrap_or(about.dims);
     let voxel_type = sample.voxel_type.unwrap_or(about.voxel_type);
-    closed_form::sample_field(field.as_ref(), dims, voxel_type).map_err(|source| LoadError::Sample { volume, source })
+    let failed = |source| LoadError::Sample { volume, source };
+    let bytes = Grid::new(dims).map_err(failed)?.len() * voxel_type.size();
+    // An allocation that fails within would end the program: ask first.
+    if Vec::<u8>::new().try_reserve_exact(bytes).is_err() {
+        return Err(LoadError::Memory { volume, bytes });
+    }
+    closed_form::sample_field(field.as_ref(), dims, voxel_type).map_err(failed)
 }

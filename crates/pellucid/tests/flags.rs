@@ -230,6 +230,7 @@ fn wrong_flags_name_flag_value_and_what_is_expected() {
         (&["--transfer-function", "none.toml"], &["--transfer-function", "none.toml"]),
         (&["--endian", "big"], &["--endian", "sample"]),
         (&["--component", "3"], &["component", "3", "1"]),
+        (&["--threads", "0"], &["--threads", "1..=1024"]),
         (&["--light", "sun"], &["--light", "three-point"]),
         (&["--azimuth", "30", "--eye", "0,0,1"], &["--azimuth", "--eye"]),
     ] {

@@ -233,6 +233,14 @@ fn nothing_half_written_is_left_where_nothing_can_be_written() {
 }
 
 #[test]
+fn what_does_not_fit_into_memory_is_refused() {
+    let folder = tempdir().unwrap();
+    // 2^48 bytes: more than any address space has.
+    let message = fail_in(folder.path(), &["render", "sample:ball@65536x65536x65536", "-o", "x.png"], 1);
+    assert!(message.contains("281474976710656 bytes"), "{message}");
+}
+
+#[test]
 fn scene_files_with_errors_point_at_the_line() {
     let folder = tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();

@@ -50,18 +50,14 @@ impl Failure {
         move |error| Self::input(format_args!("{}: {error}", path.display()))
     }
 
-    /// What clap found wrong with the command line.
-    pub fn usage(error: &clap::Error) -> Self {
+    /// What clap found wrong with the command line of `command`.
+    pub fn usage(error: &clap::Error, command: &str) -> Self {
         let text = error.render().to_string();
-        let (mut message, mut hint, mut command) = (Vec::new(), None, "pellucid".to_owned());
+        let (mut message, mut hint) = (Vec::new(), None);
         for line in text.lines().map(str::trim).filter(|line| !line.is_empty()) {
             if let Some(tip) = line.strip_prefix("tip: ") {
                 hint.get_or_insert_with(|| tip.to_owned());
-            } else if let Some(usage) = line.strip_prefix("Usage: ") {
-                let words = usage.split(' ').take_while(|word| word.starts_with(|c: char| c.is_ascii_lowercase()));
-                command = words.collect::<Vec<_>>().join(" ");
-                break;
-            } else if line.starts_with("For more information") {
+            } else if line.starts_with("Usage:") || line.starts_with("For more information") {
                 break;
             } else if let Some(values) = line.strip_prefix("[possible values: ") {
                 message.push(format!("(one of {})", values.trim_end_matches(']')));
@@ -89,7 +85,7 @@ fn one_line(message: &str) -> String {
 impl From<LoadError> for Failure {
     fn from(error: LoadError) -> Self {
         match &error {
-            LoadError::Io(IoError::Memory { .. }) => Self::work(&error),
+            LoadError::Io(IoError::Memory { .. }) | LoadError::Memory { .. } => Self::work(&error),
             LoadError::Io(IoError::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {
                 Self::input(&error).hint("'sample:NAME' draws a built-in field; 'pellucid sample --list' lists them")
             }

@@ -55,7 +55,7 @@ struct About<'v> {
     volume: &'v Volume,
     histogram: Histogram,
     warnings: &'v [Warning],
-    /// What a picture of the volume would choose by itself.
+    /// How a picture of the volume would make it look by itself.
     choices: Vec<Choice>,
 }
 
@@ -63,7 +63,8 @@ impl<'v> About<'v> {
     fn new(volume: &'v std::sync::Arc<Volume>, component: usize, warnings: &'v [Warning]) -> Result<Self, Failure> {
         let mut scene = Scene::of(Source::Memory);
         scene.volumes.iter_mut().for_each(|entry| entry.component = component);
-        let (_, choices) = scene.resolve(std::slice::from_ref(volume))?;
+        let (_, mut choices) = scene.resolve(std::slice::from_ref(volume))?;
+        choices.retain(|choice| choice.setting != "camera");
         let histogram = Histogram::of_levels(volume, component)
             .map_or_else(|| Histogram::new(volume, component, Histogram::BINS), Ok)
             .map_err(Failure::input)?;
@@ -75,7 +76,7 @@ impl<'v> About<'v> {
         let mut text = format!("{}\n", volume.name);
         let mut line = |label: &str, value: String| {
             // Writing to a string does not fail.
-            let _ = writeln!(text, "  {label:<13}{value}");
+            let _ = writeln!(text, "  {label:<15}{value}");
         };
         let length = volume.length_unit.as_deref().map_or(String::new(), |unit| format!(" {unit}"));
         let data = volume.value_unit.as_deref().map_or(String::new(), |unit| format!(" {unit}"));
@@ -91,8 +92,9 @@ impl<'v> About<'v> {
         line("origin", format!("{}{length}", triple(grid.world_from_index().translation.to_array(), ", ")));
         line("axes point", format!("{} (left, posterior, superior are +x, +y, +z)", orientation(grid)));
         let counts = volume.statistics();
-        line("range", format!("{} to {}{data}", counts.min, counts.max));
-        line("mean", format!("{:.6}{data}", counts.mean));
+        let all = if volume.components() > 1 { ", all components" } else { "" };
+        line("range", format!("{} to {}{data}{all}", short(counts.min), short(counts.max)));
+        line("mean", format!("{}{data}{all}", short(counts.mean)));
         if counts.nan + counts.infinite > 0 {
             line("absent", format!("{} NaN, {} infinite", counts.nan, counts.infinite));
         }
@@ -144,7 +146,16 @@ fn components(n: usize) -> String {
 }
 
 fn triple(v: [f64; 3], between: &str) -> String {
-    v.map(|v| format!("{}", (v * 1e6).round() / 1e6)).join(between)
+    v.map(short).join(between)
+}
+
+/// Whole numbers as they are, others with the 7 digits of single precision.
+fn short(v: f64) -> String {
+    if v.fract() == 0.0 {
+        v.to_string()
+    } else {
+        format!("{v:.6e}").parse().map_or(v.to_string(), |v: f64| v.to_string())
+    }
 }
 
 /// Length of the grid's edges in world units, from outermost sample to outermost sample.

@@ -21,7 +21,7 @@ mod values;
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use failure::Failure;
 
@@ -76,7 +76,7 @@ pub fn main() -> ExitCode {
             let _ = error.print();
             return ExitCode::from(error.exit_code() as u8);
         }
-        Err(error) => return fail(&Failure::usage(&error)),
+        Err(error) => return fail(&Failure::usage(&error, &named_command())),
     };
     let done = match cli.command {
         Command::Render(args) => render::run(&args),
@@ -88,6 +88,13 @@ pub fn main() -> ExitCode {
         Command::Completions(args) => completions::run(&args),
     };
     done.map_or_else(|failure| fail(&failure), |()| ExitCode::SUCCESS)
+}
+
+/// "pellucid render", if that is what the command line begins with.
+fn named_command() -> String {
+    let first = std::env::args_os().nth(1).unwrap_or_default();
+    let command = Cli::command();
+    command.find_subcommand(first).map_or("pellucid".into(), |named| format!("pellucid {}", named.get_name()))
 }
 
 fn asks_for_help(error: &clap::Error) -> bool {

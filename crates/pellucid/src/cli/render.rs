@@ -66,8 +66,8 @@ struct OutputFlags {
     /// What draws
     #[arg(long, value_name = "BACKEND", value_parser = values::word(&BACKENDS), default_value = "auto")]
     backend: Backend,
-    /// Threads to draw with; the picture is the same for any number [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    /// Threads to draw with, 1 to 1024; the picture is the same for any number [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Print one JSON object to standard output: input, choices, warnings, timings, statistics
     #[arg(long, requires = "output")]
@@ -85,6 +85,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let base = args.input.open(&args.raw)?;
     let mut scene = args.scene.apply(&base.scene)?;
     args.output.check()?;
+    affordable(&scene.image)?;
 
     let started = Instant::now();
     let (volumes, warnings) = load(&scene, &base.folder)?;
@@ -188,6 +189,17 @@ impl OutputFlags {
         }
         self.aux.as_ref().map_or(Ok(()), |aux| save_exr(aux, frame, image))
     }
+}
+
+/// Refuses a picture that does not fit into memory, where the drawing would be killed.
+fn affordable(image: &ImageSettings) -> Result<(), Failure> {
+    /// The frame with all layers, and as much again while it is put together or written.
+    const BYTES_PER_PIXEL: usize = 100;
+    let bytes = (image.width as usize * image.height as usize).saturating_mul(BYTES_PER_PIXEL);
+    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| {
+        let size = format_args!("{} x {} pixels", image.width, image.height);
+        Failure::work(format_args!("a picture of {size} needs about {} GB of memory", bytes / 1_000_000_000))
+    })
 }
 
 fn has_extension(path: &Path, extension: &str) -> bool {
