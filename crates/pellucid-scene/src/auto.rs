@@ -155,22 +155,28 @@ fn window_of(volume: &Volume, component: usize) -> ([f64; 2], &'static str) {
 /// Corners of what a camera should frame: of the part of the grid that can be seen at all, or of
 /// the whole grid where a mode shows every value.
 pub fn framed_corners(volume: &Volume, component: usize, tf: &TransferFunction, mode: &Mode) -> Vec<DVec3> {
-    let visible = if shows_values(mode) { None } else { visible_indices(volume, component, tf) };
-    let (low, high) = visible.unwrap_or_else(|| volume.grid().index_bounds());
-    let corner = |k: usize| {
-        DVec3::from_array(std::array::from_fn(|axis| if k >> axis & 1 == 0 { low[axis] } else { high[axis] }))
+    let visible = match mode {
+        Mode::Isosurface(surfaces) => visible_indices(volume, component, |low, high| {
+            surfaces.isovalues.iter().any(|iso| f64::from(low) <= iso.value && iso.value <= f64::from(high))
+        }),
+        mode if shows_values(mode) => None,
+        _ => Table::for_data(tf, &DataRange::of(volume)).ok().and_then(|table| {
+            let visibility = Visibility::of_table(&table);
+            visible_indices(volume, component, |low, high| visibility.any_opacity(low, high))
+        }),
     };
-    (0..8).map(|k| volume.grid().world_from_index().transform_point3(corner(k))).collect()
+    let bounds = visible.unwrap_or_else(|| volume.grid().index_bounds());
+    volume.grid().world_corners_of(bounds).to_vec()
 }
 
-/// The index box around all blocks whose values can have opacity; `None` if there is no such block.
-fn visible_indices(volume: &Volume, component: usize, tf: &TransferFunction) -> Option<(DVec3, DVec3)> {
+/// The index box around all blocks whose range of values is visible; `None` if there is no such
+/// block.
+fn visible_indices(volume: &Volume, component: usize, seen: impl Fn(f32, f32) -> bool) -> Option<(DVec3, DVec3)> {
     const BLOCK: usize = 8;
     let blocks = Blocks::new(volume, component, BLOCK, 0).ok()?;
-    let visibility = Visibility::of_table(&Table::for_data(tf, &DataRange::of(volume)).ok()?);
     let [nx, ny, _] = blocks.dims();
-    let seen = blocks.ranges().iter().enumerate().filter(|(_, [low, high])| visibility.any_opacity(*low, *high));
-    let positions = seen.map(|(b, _)| DVec3::new((b % nx) as f64, (b / nx % ny) as f64, (b / (nx * ny)) as f64));
+    let visible = blocks.ranges().iter().enumerate().filter(|(_, [low, high])| low <= high && seen(*low, *high));
+    let positions = visible.map(|(b, _)| DVec3::new((b % nx) as f64, (b / nx % ny) as f64, (b / (nx * ny)) as f64));
     let (first, last) = positions.fold(None, |found: Option<(DVec3, DVec3)>, p| {
         Some(found.map_or((p, p), |(low, high)| (low.min(p), high.max(p))))
     })?;
