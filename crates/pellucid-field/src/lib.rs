@@ -12,11 +12,22 @@
 //! - Spacing, direction, mirroring and origin live in the affine and nowhere else.
 
 mod error;
+mod filter;
+mod gradient;
 mod grid;
+mod prefilter;
+mod sampler;
 mod volume;
 mod voxels;
 
 pub use error::{FieldError, Warning};
+pub use filter::{
+    Filter, MAX_HALF_WIDTH, SincWindow, Weights, bspline_derivative_weights, bspline_second_derivative_weights,
+    bspline_weights,
+};
+pub use gradient::{Gradient, SplineCell, index_gradient, normal, world_gradient};
 pub use grid::Grid;
+pub use prefilter::spline_coefficients;
+pub use sampler::{Lattice, Linear, Nearest, Reconstruct, Sampler, Wide};
 pub use volume::{Statistics, ValueMap, Volume};
 pub use voxels::{Buffer, Voxel, VoxelType, Voxels};
