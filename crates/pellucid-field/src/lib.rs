@@ -15,6 +15,7 @@ mod error;
 mod filter;
 mod gradient;
 mod grid;
+mod joint_histogram;
 mod prefilter;
 mod sampler;
 mod volume;
@@ -27,6 +28,7 @@ pub use filter::{
 };
 pub use gradient::{Gradient, SplineCell, index_gradient, normal, world_gradient};
 pub use grid::Grid;
+pub use joint_histogram::JointHistogram;
 pub use prefilter::spline_coefficients;
 pub use sampler::{Lattice, Linear, Nearest, Reconstruct, Sampler, Wide};
 pub use volume::{Statistics, ValueMap, Volume};

@@ -3,6 +3,7 @@
 mod filter;
 mod gradient;
 mod grid_types;
+mod joint_histogram;
 mod marschner_lobb;
 mod prefilter;
 mod sampler;
