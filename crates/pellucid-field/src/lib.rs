@@ -17,6 +17,7 @@ mod gradient;
 mod grid;
 mod joint_histogram;
 mod prefilter;
+mod resample;
 mod sampler;
 mod volume;
 mod voxels;
@@ -30,6 +31,7 @@ pub use gradient::{Gradient, SplineCell, index_gradient, normal, world_gradient}
 pub use grid::Grid;
 pub use joint_histogram::JointHistogram;
 pub use prefilter::spline_coefficients;
+pub use resample::{resample, resample_dims};
 pub use sampler::{Lattice, Linear, Nearest, Reconstruct, Sampler, Wide};
 pub use volume::{Statistics, ValueMap, Volume};
 pub use voxels::{Buffer, Voxel, VoxelType, Voxels};

@@ -6,6 +6,7 @@ mod grid_types;
 mod joint_histogram;
 mod marschner_lobb;
 mod prefilter;
+mod resample;
 mod sampler;
 
 use glam::DVec3;
