@@ -47,17 +47,6 @@ pub trait Reconstruct: Sync {
     }
 }
 
-impl<R: Reconstruct + ?Sized> Reconstruct for &R {
-    #[inline]
-    fn value(&self, index: DVec3) -> f64 {
-        (**self).value(index)
-    }
-
-    fn spline(&self, index: DVec3) -> Option<SplineCell> {
-        (**self).spline(index)
-    }
-}
-
 /// One component of a volume as an array of numbers of type `T`.
 #[derive(Clone, Copy, Debug)]
 pub struct Lattice<'a, T> {
