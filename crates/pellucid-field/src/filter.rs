@@ -14,6 +14,8 @@ const KAISER_BETA: f64 = 6.0;
 /// How a continuous field is made of samples (1.5-8, 9.2-1). In three dimensions every filter is
 /// the tensor product of its one-dimensional kernel (1.5-9).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Filter {
     /// Box: the value of the nearest voxel (halfway, of the one with the larger index).
     Nearest,
@@ -45,6 +47,8 @@ pub enum Filter {
 
 /// The window of a [`Filter::Sinc`], over `x = t / half_width` in `[-1, 1]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum SincWindow {
     /// The main lobe of a sinc.
     #[default]

@@ -8,6 +8,8 @@ use crate::{FieldError, Grid};
 
 /// How a gradient is estimated. All stencils are normalised to be exact on affine fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Gradient {
     /// `f(x + 1) - f(x)`: 3 taps, first order (5.3-2).
     Forward,

@@ -48,8 +48,8 @@ pub fn look(entry: &VolumeEntry, volume: &Volume, mode: &Mode, choices: &mut Vec
         None => windowed(entry, mode, preset, window)?,
     };
     let weight = preset.map(|preset| preset.gradient_weight(window, volume.grid().mean_spacing())).transpose()?;
-    let shading = entry.shading.or(preset.map(|preset| preset.shading));
-    let lit = shading.unwrap_or(entry.material.is_some() || matches!(mode, Mode::Isosurface(_)));
+    let by_default = matches!(mode, Mode::Isosurface(_)) || preset.map_or(entry.material.is_some(), |p| p.shading);
+    let lit = entry.shading.unwrap_or(by_default);
     let material = entry.material.or(preset.map(|preset| preset.material)).unwrap_or_default();
     Ok(Look {
         transfer_function: with_unit_distance(tf, entry, volume, mode, choices)?,
