@@ -1,1 +1,47 @@
 //! Volume graphics: scalar fields in, light out.
+//!
+//! A [`Scene`](scene::Scene) says what to draw. [`load`] fetches its volumes,
+//! [`Scene::resolve`](scene::Scene::resolve) fills in what the scene leaves open and says what it
+//! chose, a [`Renderer`] draws, and [`save`](save()) writes the picture.
+//!
+//! ```
+//! use pellucid::scene::{Control, SampleSource, Scene, Source};
+//! use pellucid::{Backend, Renderer, load, save};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let ball = SampleSource { name: "ball".into(), dims: Some([32; 3]), voxel_type: None };
+//! let mut scene = Scene::of(Source::Sample(ball));
+//! (scene.image.width, scene.image.height) = (64, 48);
+//!
+//! let (volumes, warnings) = load(&scene, "")?;
+//! assert!(warnings.is_empty());
+//! let (stage, choices) = scene.resolve(&volumes)?;
+//! for choice in &choices {
+//!     println!("{choice}");
+//! }
+//! let frame = Renderer::new(Backend::Auto)?.render(&stage, &Control::default())?;
+//! assert!(frame.statistics.samples_visible > 0);
+//!
+//! let picture = std::env::temp_dir().join("pellucid-doc-example.png");
+//! save(&picture, &frame, &scene.image)?;
+//! # std::fs::remove_file(picture)?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! The parts can be imported on their own: [`field`] is what is measured, [`optics`] what it
+//! looks like, [`scene`] what to draw, [`io`] files in and out.
+
+mod load;
+mod renderer;
+mod save;
+
+pub use load::{LoadError, load};
+pub use pellucid_cpu::RenderError;
+pub use renderer::{Backend, Renderer};
+pub use save::{PngDepth, SaveError, save, save_exr, save_png};
+
+pub use pellucid_field as field;
+pub use pellucid_io as io;
+pub use pellucid_optics as optics;
+pub use pellucid_scene as scene;

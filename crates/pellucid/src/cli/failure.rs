@@ -1,0 +1,128 @@
+//! How the command fails: one line, a hint where there is a next step, and an exit code.
+
+use std::fmt;
+use std::io::ErrorKind;
+use std::path::Path;
+
+use pellucid::io::IoError;
+use pellucid::scene::ResolveError;
+use pellucid::{LoadError, RenderError};
+
+/// Why the command stops.
+#[derive(Debug)]
+pub struct Failure {
+    /// Exit code, as `pellucid --help` documents them.
+    pub code: u8,
+    message: String,
+    hint: Option<String>,
+}
+
+/// Work that could not be done although input and command line are right.
+const WORK: u8 = 1;
+/// The input or the command line is wrong.
+const INPUT: u8 = 2;
+/// Stopped by Ctrl-C: 128 + SIGINT.
+pub const CANCELLED: u8 = 130;
+
+impl Failure {
+    /// The input or the command line is wrong.
+    pub fn input(message: impl fmt::Display) -> Self {
+        Self { code: INPUT, message: one_line(&message.to_string()), hint: None }
+    }
+
+    /// Something failed while working.
+    pub fn work(message: impl fmt::Display) -> Self {
+        Self { code: WORK, ..Self::input(message) }
+    }
+
+    /// The user stopped it.
+    pub fn cancelled() -> Self {
+        Self { code: CANCELLED, ..Self::input("cancelled, no picture was written") }
+    }
+
+    /// Adds what to do next.
+    pub fn hint(self, hint: impl Into<String>) -> Self {
+        Self { hint: Some(hint.into()), ..self }
+    }
+
+    /// A file that cannot be read: the input is wrong.
+    pub fn reading(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        move |error| Self::input(format_args!("{}: {error}", path.display()))
+    }
+
+    /// What clap found wrong with the command line.
+    pub fn usage(error: &clap::Error) -> Self {
+        let text = error.render().to_string();
+        let (mut message, mut hint, mut command) = (Vec::new(), None, "pellucid".to_owned());
+        for line in text.lines().map(str::trim).filter(|line| !line.is_empty()) {
+            if let Some(tip) = line.strip_prefix("tip: ") {
+                hint.get_or_insert_with(|| tip.to_owned());
+            } else if let Some(usage) = line.strip_prefix("Usage: ") {
+                let words = usage.split(' ').take_while(|word| word.starts_with(|c: char| c.is_ascii_lowercase()));
+                command = words.collect::<Vec<_>>().join(" ");
+                break;
+            } else if line.starts_with("For more information") {
+                break;
+            } else if let Some(values) = line.strip_prefix("[possible values: ") {
+                message.push(format!("(one of {})", values.trim_end_matches(']')));
+            } else {
+                message.push(line.trim_start_matches("error: ").to_owned());
+            }
+        }
+        Self::input(message.join(" ")).hint(hint.unwrap_or_else(|| format!("see '{command} --help'")))
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "pellucid: error: {}", self.message)?;
+        self.hint.as_ref().map_or(Ok(()), |hint| write!(f, "\npellucid: hint: {hint}"))
+    }
+}
+
+/// Messages of other crates may break lines.
+fn one_line(message: &str) -> String {
+    message.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Reading: what is in the file, or that there is none, is the caller's input; the rest is not.
+impl From<LoadError> for Failure {
+    fn from(error: LoadError) -> Self {
+        match &error {
+            LoadError::Io(IoError::Memory { .. }) => Self::work(&error),
+            LoadError::Io(IoError::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {
+                Self::input(&error).hint("'sample:NAME' draws a built-in field; 'pellucid sample --list' lists them")
+            }
+            LoadError::Io(IoError::Unsupported { what, .. }) if what.contains("format") => {
+                Self::input(&error).hint("a headerless file needs --dims and --type")
+            }
+            _ => Self::input(&error),
+        }
+    }
+}
+
+impl From<ResolveError> for Failure {
+    fn from(error: ResolveError) -> Self {
+        Self::input(error)
+    }
+}
+
+/// Writing.
+impl From<IoError> for Failure {
+    fn from(error: IoError) -> Self {
+        match error {
+            IoError::Unsupported { .. } => Self::input(error),
+            _ => Self::work(error),
+        }
+    }
+}
+
+impl From<RenderError> for Failure {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Cancelled => Self::cancelled(),
+            RenderError::Threads { .. } => Self::work(error),
+            _ => Self::input(error),
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! The flags that change a scene, one group per part of the document.
+
+mod camera;
+mod clipping;
+mod look;
+mod picture;
+mod quality;
+mod technique;
+
+use pellucid::scene::{Camera, Scene, Stage, VolumeEntry};
+
+use super::failure::Failure;
+use super::set::Setting;
+
+/// Every flag that changes the scene. What is not given leaves the scene as it is.
+#[derive(clap::Args, Debug)]
+pub struct SceneFlags {
+    #[command(flatten)]
+    picture: picture::PictureFlags,
+    #[command(flatten)]
+    camera: camera::CameraFlags,
+    #[command(flatten)]
+    look: look::LookFlags,
+    #[command(flatten)]
+    technique: technique::TechniqueFlags,
+    #[command(flatten)]
+    quality: quality::QualityFlags,
+    #[command(flatten)]
+    clipping: clipping::ClippingFlags,
+    /// Change any setting of the scene; the last word over file and flags. Repeatable
+    ///
+    /// PATH is where the setting stands in the scene document, as in
+    ///   --set quality.step=0.25
+    ///   --set volumes[0].window=[100,900]
+    ///   --set technique.ray_cast.mode.slice.thickness=5
+    /// VALUE is written as in TOML; a bare word is taken as text, and nothing at all removes the
+    /// setting, so that its default returns. 'pellucid schema' lists every path.
+    #[arg(long = "set", value_name = "PATH=VALUE", help_heading = "Any setting", verbatim_doc_comment)]
+    settings: Vec<Setting>,
+}
+
+impl SceneFlags {
+    /// The scene with all flags applied, and checked.
+    pub fn apply(&self, base: &Scene) -> Result<Scene, Failure> {
+        super::set::apply(&self.named(base)?, &self.settings)
+    }
+
+    /// What was lost in reading files that flags name.
+    pub fn warnings(&self) -> &[String] {
+        self.look.warnings()
+    }
+
+    /// Fills in what depends on the volumes and on what was chosen for them: a slice position in
+    /// percent, and the rest of a material of which flags give some numbers. `None` if there is no
+    /// such flag. `base` is the scene before the flags, `stage` what the scene of
+    /// [`SceneFlags::apply`] resolved to.
+    pub fn settle(&self, base: &Scene, stage: &Stage) -> Result<Option<Scene>, Failure> {
+        let mut scene = self.named(base)?;
+        let Some(volume) = stage.volumes.first() else { return Ok(None) };
+        let placed = self.technique.place(&mut scene, volume);
+        let changed = self.look.change_material(&mut scene, volume.material);
+        if placed || changed { super::set::apply(&scene, &self.settings).map(Some) } else { Ok(None) }
+    }
+
+    /// The scene with the named flags applied.
+    fn named(&self, base: &Scene) -> Result<Scene, Failure> {
+        let mut scene = base.clone();
+        self.picture.apply(&mut scene);
+        self.camera.apply(&mut scene)?;
+        self.look.apply(&mut scene)?;
+        let free = scene.camera == Camera::default() && !self.camera.is_given();
+        self.technique.apply(&mut scene, free)?;
+        self.quality.apply(&mut scene);
+        self.clipping.apply(&mut scene)?;
+        Ok(scene)
+    }
+}
+
+/// The volume that flags about a volume mean: the first.
+fn first_volume<'s>(scene: &'s mut Scene, flag: &str) -> Result<&'s mut VolumeEntry, Failure> {
+    let missing = || Failure::input(format_args!("{flag} is about a volume, and the scene lists none"));
+    scene.volumes.first_mut().ok_or_else(missing)
+}

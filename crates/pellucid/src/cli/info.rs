@@ -1,0 +1,186 @@
+//! `pellucid info`.
+
+use std::fmt::Write;
+
+use pellucid::field::{Grid, Histogram, Volume, Warning};
+use pellucid::load;
+use pellucid::scene::{Choice, Scene, Source};
+use serde_json::{Value, json};
+
+use super::failure::Failure;
+use super::histogram;
+use super::input::{Input, RawFlags};
+use super::report::{print, print_json};
+
+#[derive(clap::Args)]
+pub struct InfoArgs {
+    /// Volume files, scenes, or sample:NAME
+    #[arg(required = true, value_name = "FILE")]
+    inputs: Vec<Input>,
+    /// Print one JSON array, an object per volume
+    #[arg(long)]
+    json: bool,
+    /// Component of the histogram and the automatic choices, from 0 [default: 0]
+    #[arg(long, value_name = "K", default_value_t = 0, hide_default_value = true)]
+    component: usize,
+    #[command(flatten)]
+    raw: RawFlags,
+}
+
+pub fn run(args: &InfoArgs) -> Result<(), Failure> {
+    let mut objects = Vec::new();
+    for (k, input) in args.inputs.iter().enumerate() {
+        let base = input.open(&args.raw)?;
+        let (volumes, warnings) = load(&base.scene, &base.folder)?;
+        for volume in &volumes {
+            let about = About::new(volume, args.component, &warnings)?;
+            if args.json {
+                objects.push(about.json());
+            } else {
+                let gap = if k > 0 { "\n" } else { "" };
+                print(&format!("{gap}{}", about.text(columns())))?;
+            }
+        }
+    }
+    if args.json { print_json(&Value::Array(objects)) } else { Ok(()) }
+}
+
+/// Width of the terminal, or of the usual one where there is none.
+fn columns() -> usize {
+    terminal_size::terminal_size().map_or(80, |(width, _)| width.0.into())
+}
+
+/// Everything there is to say of a volume.
+struct About<'v> {
+    volume: &'v Volume,
+    histogram: Histogram,
+    warnings: &'v [Warning],
+    /// What a picture of the volume would choose by itself.
+    choices: Vec<Choice>,
+}
+
+impl<'v> About<'v> {
+    fn new(volume: &'v std::sync::Arc<Volume>, component: usize, warnings: &'v [Warning]) -> Result<Self, Failure> {
+        let mut scene = Scene::of(Source::Memory);
+        scene.volumes.iter_mut().for_each(|entry| entry.component = component);
+        let (_, choices) = scene.resolve(std::slice::from_ref(volume))?;
+        let histogram = Histogram::of_levels(volume, component)
+            .map_or_else(|| Histogram::new(volume, component, Histogram::BINS), Ok)
+            .map_err(Failure::input)?;
+        Ok(Self { volume, histogram, warnings, choices })
+    }
+
+    fn text(&self, columns: usize) -> String {
+        let (volume, grid) = (self.volume, self.volume.grid());
+        let mut text = format!("{}\n", volume.name);
+        let mut line = |label: &str, value: String| {
+            // Writing to a string does not fail.
+            let _ = writeln!(text, "  {label:<13}{value}");
+        };
+        let length = volume.length_unit.as_deref().map_or(String::new(), |unit| format!(" {unit}"));
+        let data = volume.value_unit.as_deref().map_or(String::new(), |unit| format!(" {unit}"));
+        let [x, y, z] = grid.dims();
+        line("dims", format!("{x} x {y} x {z}"));
+        line("type", format!("{}, {}", volume.voxels().voxel_type(), components(volume.components())));
+        let map = volume.value_map();
+        if (map.scale, map.offset) != (1.0, 0.0) {
+            line("values are", format!("stored * {} + {}", map.scale, map.offset));
+        }
+        line("spacing", format!("{}{length}", triple(grid.spacing(), " x ")));
+        line("size", format!("{}{length}", triple(extent(grid), " x ")));
+        line("origin", format!("{}{length}", triple(grid.world_from_index().translation.to_array(), ", ")));
+        line("axes point", format!("{} (left, posterior, superior are +x, +y, +z)", orientation(grid)));
+        let counts = volume.statistics();
+        line("range", format!("{} to {}{data}", counts.min, counts.max));
+        line("mean", format!("{:.6}{data}", counts.mean));
+        if counts.nan + counts.infinite > 0 {
+            line("absent", format!("{} NaN, {} infinite", counts.nan, counts.infinite));
+        }
+        self.choices.iter().for_each(|choice| line(choice.setting, choice.chosen.clone()));
+        self.warnings.iter().for_each(|warning| line("warning", warning.to_string()));
+        text + &histogram::draw(&self.histogram, columns, 8)
+    }
+
+    fn json(&self) -> Value {
+        let (volume, grid) = (self.volume, self.volume.grid());
+        let counts = volume.statistics();
+        let affine = grid.world_from_index();
+        json!({
+            "name": volume.name,
+            "dims": grid.dims(),
+            "type": volume.voxels().voxel_type().name(),
+            "components": volume.components(),
+            "value_map": { "scale": volume.value_map().scale, "offset": volume.value_map().offset },
+            "value_unit": volume.value_unit,
+            "length_unit": volume.length_unit,
+            "spacing": grid.spacing(),
+            "size": extent(grid),
+            "origin": affine.translation.to_array(),
+            "orientation": orientation(grid),
+            "world_from_index": affine.to_cols_array_2d(),
+            "min": counts.min,
+            "max": counts.max,
+            "mean": counts.mean,
+            "nan": counts.nan,
+            "infinite": counts.infinite,
+            "choices": choices_json(&self.choices),
+            "warnings": self.warnings.iter().map(Warning::to_string).collect::<Vec<_>>(),
+            "histogram": {
+                "low": self.histogram.range().0,
+                "bin_width": self.histogram.width(),
+                "counts": self.histogram.counts(),
+            },
+        })
+    }
+}
+
+/// Choices as JSON, in the order they were made.
+pub fn choices_json(choices: &[Choice]) -> Vec<Value> {
+    choices.iter().map(|choice| json!({ "setting": choice.setting, "chosen": choice.chosen })).collect()
+}
+
+fn components(n: usize) -> String {
+    if n == 1 { "1 component".into() } else { format!("{n} components") }
+}
+
+fn triple(v: [f64; 3], between: &str) -> String {
+    v.map(|v| format!("{}", (v * 1e6).round() / 1e6)).join(between)
+}
+
+/// Length of the grid's edges in world units, from outermost sample to outermost sample.
+fn extent(grid: &Grid) -> [f64; 3] {
+    let (low, high) = grid.index_bounds();
+    let spacing = grid.spacing();
+    std::array::from_fn(|axis| (high - low)[axis] * spacing[axis])
+}
+
+/// The patient direction nearest to each index axis, as in "LPS"; small letters mark axes that
+/// are oblique by more than a degree.
+fn orientation(grid: &Grid) -> String {
+    let affine = grid.world_from_index().matrix3;
+    let letter = |column: [f64; 3]| {
+        let largest = (0..3).max_by(|&a, &b| column[a].abs().total_cmp(&column[b].abs())).unwrap_or(0);
+        let letter = [['L', 'R'], ['P', 'A'], ['S', 'I']][largest][usize::from(column[largest] < 0.0)];
+        let length = column.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let aligned = column[largest].abs() >= length * 1f64.to_radians().cos();
+        if aligned { letter } else { letter.to_ascii_lowercase() }
+    };
+    [affine.x_axis, affine.y_axis, affine.z_axis].map(|column| letter(column.to_array())).iter().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orientation_names_the_nearest_patient_direction() {
+        let grid = |spacing| Grid::with_spacing([2; 3], spacing, [0.0; 3]).unwrap();
+        assert_eq!(orientation(&grid([1.0, 2.0, 3.0])), "LPS");
+        assert_eq!(orientation(&grid([-1.0, -2.0, 3.0])), "RAS");
+    }
+
+    #[test]
+    fn size_is_from_sample_to_sample() {
+        assert_eq!(extent(&Grid::with_spacing([3, 5, 1], [0.5, 2.0, 7.0], [0.0; 3]).unwrap()), [1.0, 8.0, 7.0]);
+    }
+}

@@ -1,0 +1,144 @@
+//! What a picture is made of: a volume file, a scene, or a built-in field.
+
+use std::convert::Infallible;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use pellucid::field::VoxelType;
+use pellucid::scene::{Format, SampleSource, Scene, Source};
+
+use super::failure::Failure;
+use super::values;
+
+/// The INPUT argument.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Input {
+    /// `sample:NAME` or `sample:NAME@DIMS`: the text after the colon.
+    Sample(String),
+    /// A scene document.
+    Scene(PathBuf, Format),
+    /// A volume file.
+    Volume(PathBuf),
+}
+
+impl FromStr for Input {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        if let Some(name) = text.strip_prefix("sample:") {
+            return Ok(Self::Sample(name.to_owned()));
+        }
+        let path = PathBuf::from(text);
+        Ok(Format::of(&path).map_or_else(|| Self::Volume(path.clone()), |format| Self::Scene(path.clone(), format)))
+    }
+}
+
+/// How a file without a header is laid out; `--dims` and `--type` also choose those of a sample.
+#[derive(clap::Args, Debug, Default)]
+#[command(next_help_heading = "Raw input")]
+pub struct RawFlags {
+    /// Voxels per axis, x (fastest in memory), y, z; also the resolution of a sample
+    #[arg(long, value_name = "XxYxZ", value_parser = values::dims)]
+    dims: Option<[usize; 3]>,
+    /// Type of the values; also that of a sample
+    #[arg(long = "type", value_name = "TYPE", value_parser = values::voxel_type())]
+    voxel_type: Option<VoxelType>,
+    /// Byte order of the values [default: little]
+    #[arg(long, value_name = "ORDER", value_parser = ["little", "big"])]
+    endian: Option<String>,
+    /// Bytes before the first value. Without it the file must hold the values and nothing else
+    #[arg(long, value_name = "BYTES")]
+    skip: Option<u64>,
+    /// Interleaved values per voxel, 1 to 4 [default: 1]
+    #[arg(long, value_name = "N")]
+    components: Option<usize>,
+}
+
+/// A scene to begin with, and the folder its relative paths start at.
+pub struct Base {
+    /// The scene as it was given, or one of a single volume.
+    pub scene: Scene,
+    /// The folder of the scene's file; empty for the current one.
+    pub folder: PathBuf,
+}
+
+impl Input {
+    /// Reads a scene, or makes one around a volume.
+    pub fn open(&self, raw: &RawFlags) -> Result<Base, Failure> {
+        let here = |source| Base { scene: Scene::of(source), folder: PathBuf::new() };
+        match self {
+            Self::Sample(text) => {
+                raw.only_for_files()?;
+                let mut sample = parse_sample(text)?;
+                sample.dims = raw.dims.or(sample.dims);
+                sample.voxel_type = raw.voxel_type;
+                Ok(here(Source::Sample(sample)))
+            }
+            Self::Volume(path) => Ok(here(raw.source(path)?)),
+            Self::Scene(path, format) => {
+                raw.not_for_scenes()?;
+                let text = std::fs::read_to_string(path).map_err(Failure::reading(path))?;
+                let scene = Scene::parse(&text, *format)
+                    .map_err(|error| Failure::input(format_args!("{}: {error}", path.display())))
+                    .map_err(|failure| failure.hint("'pellucid schema' prints every key a scene can have"))?;
+                Ok(Base { scene, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
+            }
+        }
+    }
+}
+
+/// `NAME` or `NAME@DIMS`.
+fn parse_sample(text: &str) -> Result<SampleSource, Failure> {
+    let (name, dims) = match text.split_once('@') {
+        None => (text, None),
+        Some((name, dims)) => {
+            let dims = values::dims(dims).map_err(|error| Failure::input(format_args!("sample:{text}: {error}")))?;
+            (name, Some(dims))
+        }
+    };
+    Ok(SampleSource { name: name.to_owned(), dims, voxel_type: None })
+}
+
+impl RawFlags {
+    fn source(&self, path: &Path) -> Result<Source, Failure> {
+        match (self.dims, self.voxel_type) {
+            (Some(dims), Some(voxel_type)) => Ok(Source::Raw {
+                path: path.to_owned(),
+                dims,
+                voxel_type,
+                components: self.components.unwrap_or(1),
+                skip: self.skip.unwrap_or(0),
+                big_endian: self.endian.as_deref() == Some("big"),
+            }),
+            (None, None) if self.layout_flag().is_none() => Ok(Source::File(path.to_owned())),
+            _ => Err(Failure::input("a headerless file needs both --dims and --type")
+                .hint("as in --dims 256x256x113 --type u16")),
+        }
+    }
+
+    /// A flag that describes how values lie in a file.
+    fn layout_flag(&self) -> Option<&'static str> {
+        let given = [
+            (self.endian.is_some(), "--endian"),
+            (self.skip.is_some(), "--skip"),
+            (self.components.is_some(), "--components"),
+        ];
+        given.into_iter().find_map(|(given, flag)| given.then_some(flag))
+    }
+
+    fn only_for_files(&self) -> Result<(), Failure> {
+        match self.layout_flag() {
+            Some(flag) => Err(Failure::input(format_args!("{flag} describes a headerless file, not a sample"))),
+            None => Ok(()),
+        }
+    }
+
+    fn not_for_scenes(&self) -> Result<(), Failure> {
+        let dims = self.dims.map(|_| "--dims");
+        match dims.or(self.voxel_type.map(|_| "--type")).or(self.layout_flag()) {
+            Some(flag) => Err(Failure::input(format_args!("{flag} describes a volume, and the input is a scene"))
+                .hint("--set volumes[0].source... changes the source of a scene's volume")),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! The command line: one file per subcommand, one per concern.
+
+mod completions;
+mod convert;
+mod failure;
+mod flags;
+mod histogram;
+mod info;
+mod input;
+mod interrupt;
+mod output;
+mod presets;
+mod progress;
+mod render;
+mod report;
+mod sample;
+mod schema;
+mod set;
+mod values;
+
+use std::process::ExitCode;
+
+use clap::error::ErrorKind;
+use clap::{Parser, Subcommand};
+
+use failure::Failure;
+
+/// Volume graphics: turns scans, simulations and built-in fields into pictures.
+///
+/// A scene says what to draw: volumes, how they look, camera, lights, clips, technique and
+/// quality. It comes from a file, from flags, or from both, and whatever it leaves open is chosen
+/// for the data and said on standard error.
+#[derive(Parser)]
+#[command(name = "pellucid", version, after_help = "Exit codes: 0 fine, 1 work failed, 2 wrong input, 130 cancelled")]
+#[command(after_long_help = "\
+Exit codes:
+    0  fine
+    1  something failed while working: a file could not be written, no threads, no memory
+    2  the input or the command line is wrong
+  130  cancelled with Ctrl-C; nothing half-written is left behind
+
+Try:
+  pellucid render sample:head -o head.png
+  pellucid info scan.nii.gz
+  pellucid render --help")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Draw a picture of a volume or a scene
+    #[command(after_long_help = render::EXAMPLES)]
+    Render(Box<render::RenderArgs>),
+    /// Tell what is in volume files, with a histogram
+    Info(info::InfoArgs),
+    /// Write a built-in field to a volume file
+    Sample(sample::SampleArgs),
+    /// Write a volume in another format
+    Convert(convert::ConvertArgs),
+    /// List presets, colour maps and opacity shapes
+    Presets(presets::PresetsArgs),
+    /// Print the JSON Schema of scene files
+    Schema,
+    /// Print a completion script for a shell
+    Completions(completions::CompletionsArgs),
+}
+
+/// Runs the command line and returns its exit code.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) if asks_for_help(&error) => {
+            // To standard output, or to standard error if the command is missing.
+            let _ = error.print();
+            return ExitCode::from(error.exit_code() as u8);
+        }
+        Err(error) => return fail(&Failure::usage(&error)),
+    };
+    let done = match cli.command {
+        Command::Render(args) => render::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Sample(args) => sample::run(&args),
+        Command::Convert(args) => convert::run(&args),
+        Command::Presets(args) => presets::run(&args),
+        Command::Schema => schema::run(),
+        Command::Completions(args) => completions::run(&args),
+    };
+    done.map_or_else(|failure| fail(&failure), |()| ExitCode::SUCCESS)
+}
+
+fn asks_for_help(error: &clap::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    )
+}
+
+fn fail(failure: &Failure) -> ExitCode {
+    use std::io::Write;
+    // If standard error is gone, the exit code still tells.
+    let _ = writeln!(std::io::stderr(), "{failure}");
+    ExitCode::from(failure.code)
+}

@@ -1,0 +1,226 @@
+//! `pellucid render`.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use pellucid::field::Volume;
+use pellucid::io::{AtomicFile, IoError};
+use pellucid::scene::{Cancel, Control, Format, Frame, ImageSettings, Scene, Source, Stage};
+use pellucid::{Backend, PngDepth, Renderer, load, save_exr, save_png};
+use serde_json::{Value, json};
+
+use super::failure::Failure;
+use super::flags::SceneFlags;
+use super::info::choices_json;
+use super::input::{Base, Input, RawFlags};
+use super::progress::Progress;
+use super::report::{Report, print_json};
+use super::{interrupt, output, values};
+
+/// Shown at the end of `pellucid render --help`.
+pub const EXAMPLES: &str = "\
+Settings are taken in this order, later ones win: defaults, scene file, named flags, --set.
+
+Examples:
+  pellucid render sample:head -o head.png
+  pellucid render ct.nrrd --preset ct-bone --azimuth 45 -o bone.png
+  pellucid render ct.nrrd --iso 300,e8dcc0 --iso -200,d0a080,0.3 -o surfaces.png
+  pellucid render mr.nii.gz --slice axial --at 40% --window 0,900 --colormap gray -o slice.png
+  pellucid render ct.nrrd --mode maximum --background transparent -o mip.png
+  pellucid render engine.raw --dims 256x256x256 --type u8 -o engine.png
+  pellucid render scene.toml --size 1920x1080 --supersampling 2 -o hd.exr
+  pellucid render ct.nrrd --clip 0,1,0,0,-20,0 --save-scene clipped.toml -o clipped.png";
+
+const BACKENDS: [(&str, Backend); 2] = [("auto", Backend::Auto), ("cpu", Backend::Cpu)];
+
+#[derive(clap::Args)]
+pub struct RenderArgs {
+    /// A volume file, a scene (.toml, .json), or a built-in field as sample:NAME or
+    /// sample:NAME@128x128x128
+    input: Input,
+    #[command(flatten)]
+    output: OutputFlags,
+    #[command(flatten)]
+    scene: SceneFlags,
+    #[command(flatten)]
+    raw: RawFlags,
+}
+
+#[derive(clap::Args)]
+#[command(next_help_heading = "Output")]
+struct OutputFlags {
+    /// The picture: .png, or .exr for linear 32-bit floats with depth (Z), normal (N.X, N.Y, N.Z)
+    /// and samples per pixel as further layers
+    #[arg(short, long, value_name = "FILE", required_unless_present = "save_scene")]
+    output: Option<PathBuf>,
+    /// Bits per channel of a .png
+    #[arg(long, value_name = "BITS", value_parser = values::word(&DEPTHS), default_value = "8")]
+    bits: PngDepth,
+    /// Also write all layers, as an .exr output has them, to this .exr
+    #[arg(long, value_name = "FILE.exr", requires = "output")]
+    aux: Option<PathBuf>,
+    /// Write the whole scene, flags and --set included, to this .toml or .json. Without --output
+    /// nothing is drawn
+    #[arg(long, value_name = "FILE")]
+    save_scene: Option<PathBuf>,
+    /// What draws
+    #[arg(long, value_name = "BACKEND", value_parser = values::word(&BACKENDS), default_value = "auto")]
+    backend: Backend,
+    /// Threads to draw with; the picture is the same for any number [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Print one JSON object to standard output: input, choices, warnings, timings, statistics
+    #[arg(long, requires = "output")]
+    json: bool,
+    /// Say nothing on standard error but errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+const DEPTHS: [(&str, PngDepth); 2] = [("8", PngDepth::Eight), ("16", PngDepth::Sixteen)];
+
+pub fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let report = Report { quiet: args.output.quiet };
+    let cancel = interrupt::listen();
+    let base = args.input.open(&args.raw)?;
+    let mut scene = args.scene.apply(&base.scene)?;
+    args.output.check()?;
+
+    let started = Instant::now();
+    let (volumes, warnings) = load(&scene, &base.folder)?;
+    let load_seconds = started.elapsed().as_secs_f64();
+    let (mut stage, mut choices) = scene.resolve(&volumes)?;
+    if let Some(settled) = args.scene.settle(&base.scene, &stage)? {
+        scene = settled;
+        (stage, choices) = scene.resolve(&volumes)?;
+    }
+    volumes.iter().for_each(|volume| report.say(describe(volume)));
+    choices.iter().for_each(|choice| report.say(choice));
+    let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    warnings.extend_from_slice(args.scene.warnings());
+    warnings.iter().for_each(|warning| report.warn(warning));
+    if let Some(path) = &args.output.save_scene {
+        interrupt::gracefully(|| save_scene(path, &scene, &base))?;
+        report.say(format_args!("wrote {}", path.display()));
+    }
+    let Some(output) = &args.output.output else { return Ok(()) };
+
+    let (frame, save_seconds, backend) = interrupt::gracefully(|| {
+        let mut renderer = match args.output.threads {
+            Some(threads) => Renderer::with_threads(args.output.backend, threads.into()),
+            None => Renderer::new(args.output.backend),
+        }?;
+        let frame = draw(&mut renderer, &stage, &cancel, report)?;
+        let saving = Instant::now();
+        args.output.save(output, &frame, &scene.image)?;
+        Ok((frame, saving.elapsed().as_secs_f64(), renderer.backend()))
+    })?;
+    for warning in &frame.warnings {
+        report.warn(warning);
+        warnings.push(warning.to_string());
+    }
+    let seconds = frame.statistics.setup_seconds + frame.statistics.render_seconds;
+    report.say(format_args!(
+        "drew {}x{} in {seconds:.2} s on the {backend}, wrote {}",
+        frame.width,
+        frame.height,
+        output.display()
+    ));
+    if args.output.json {
+        print_json(&json!({
+            "input": volumes.iter().map(|volume| volume.name.as_str()).collect::<Vec<_>>(),
+            "dims": volumes.iter().map(|volume| volume.grid().dims()).collect::<Vec<_>>(),
+            "choices": choices_json(&choices),
+            "warnings": warnings,
+            "backend": backend.to_string(),
+            "output": output.to_string_lossy(),
+            "width": frame.width,
+            "height": frame.height,
+            "timings": {
+                "load_seconds": load_seconds,
+                "setup_seconds": frame.statistics.setup_seconds,
+                "render_seconds": frame.statistics.render_seconds,
+                "save_seconds": save_seconds,
+            },
+            "statistics": statistics(&frame),
+        }))?;
+    }
+    Ok(())
+}
+
+fn draw(renderer: &mut Renderer, stage: &Stage, cancel: &Cancel, report: Report) -> Result<Frame, Failure> {
+    let progress = Progress::new("drawing", report.quiet);
+    let tell = |share| progress.report(share);
+    let control = Control { progress: Some(&tell), cancel: Some(cancel) };
+    Ok(renderer.render(stage, &control)?)
+}
+
+fn describe(volume: &Volume) -> String {
+    let grid = volume.grid();
+    let [x, y, z] = grid.dims();
+    let [sx, sy, sz] = grid.spacing();
+    let unit = volume.length_unit.as_deref().unwrap_or("world units");
+    let voxel_type = volume.voxels().voxel_type();
+    format!("{}: {x}x{y}x{z} {voxel_type}, spacing {sx:.4} x {sy:.4} x {sz:.4} {unit}", volume.name)
+}
+
+impl OutputFlags {
+    /// Refuses before a long render what could not be written after it.
+    fn check(&self) -> Result<(), Failure> {
+        for path in self.output.iter().chain(&self.aux) {
+            let known: &[&str] = if Some(path) == self.aux.as_ref() { &["exr"] } else { &["png", "exr"] };
+            if !known.iter().any(|known| has_extension(path, known)) {
+                let path = path.display();
+                return Err(Failure::input(format_args!("{path}: the name must end in .{}", known.join(" or ."))));
+            }
+        }
+        if let Some(path) = self.save_scene.as_ref().filter(|path| Format::of(path).is_none()) {
+            return Err(Failure::input(format_args!("{}: a scene's name must end in .toml or .json", path.display())));
+        }
+        self.output.iter().chain(&self.aux).chain(&self.save_scene).try_for_each(|path| output::writable(path))
+    }
+
+    fn save(&self, output: &Path, frame: &Frame, image: &ImageSettings) -> Result<(), IoError> {
+        if has_extension(output, "png") {
+            save_png(output, frame, image, self.bits)?;
+        } else {
+            save_exr(output, frame, image)?;
+        }
+        self.aux.as_ref().map_or(Ok(()), |aux| save_exr(aux, frame, image))
+    }
+}
+
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
+}
+
+/// Writes the scene so that it draws the same from where it lies now.
+fn save_scene(path: &Path, scene: &Scene, base: &Base) -> Result<(), Failure> {
+    let mut scene = scene.clone();
+    for entry in &mut scene.volumes {
+        if let Source::File(file) | Source::Raw { path: file, .. } = &mut entry.source {
+            let from = base.folder.join(&*file);
+            *file = std::path::absolute(&from).map_err(Failure::reading(&from))?;
+            if file.to_str().is_none() {
+                return Err(Failure::input(format_args!("{}: a scene can only name files in UTF-8", file.display())));
+            }
+        }
+    }
+    let format = Format::of(path).unwrap_or(Format::Toml);
+    let mut file = AtomicFile::create(path)?;
+    let written = std::io::Write::write_all(&mut file, scene.to_text(format).as_bytes());
+    written.map_err(|source| IoError::Io { path: path.to_owned(), source })?;
+    Ok(file.commit()?)
+}
+
+fn statistics(frame: &Frame) -> Value {
+    let counts = &frame.statistics;
+    json!({
+        "rays": counts.rays,
+        "rays_hit": counts.rays_hit,
+        "rays_terminated": counts.rays_terminated,
+        "samples": counts.samples,
+        "samples_visible": counts.samples_visible,
+        "samples_skipped": counts.samples_skipped,
+    })
+}

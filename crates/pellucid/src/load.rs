@@ -1,0 +1,97 @@
+//! The volumes of a scene, from wherever they come.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use pellucid_field::{FieldError, Volume, Warning, closed_form};
+use pellucid_io::{Endian, IoError, RawLayout, ReadOptions};
+use pellucid_scene::{SampleSource, Scene, Source};
+
+/// Why the volumes of a scene cannot be loaded.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// A file cannot be read.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// There is no built-in field of that name.
+    #[error("volumes[{volume}].source.sample.name is '{found}'; the built-in fields are {known}")]
+    UnknownSample {
+        /// Position in the list of volumes.
+        volume: usize,
+        /// The name.
+        found: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A built-in field cannot be sampled so.
+    #[error("volumes[{volume}].source.sample: {source}")]
+    Sample {
+        /// Position in the list of volumes.
+        volume: usize,
+        /// What is impossible.
+        source: FieldError,
+    },
+    /// The scene expects a program to bring the voxels.
+    #[error("volumes[{volume}].source is 'memory': only a program that holds the voxels can draw this scene")]
+    Memory {
+        /// Position in the list of volumes.
+        volume: usize,
+    },
+}
+
+/// Loads the volumes of a scene, one per entry, in order. Relative paths start at `base`, usually
+/// the folder of the scene's file. The warnings tell what was converted, guessed or ignored, and
+/// how many values are absent.
+///
+/// # Errors
+/// [`LoadError`] for the first volume that cannot be had.
+pub fn load(scene: &Scene, base: impl AsRef<Path>) -> Result<(Vec<Arc<Volume>>, Vec<Warning>), LoadError> {
+    let mut warnings = Vec::new();
+    let mut volumes = Vec::with_capacity(scene.volumes.len());
+    for (k, entry) in scene.volumes.iter().enumerate() {
+        let volume = match &entry.source {
+            Source::File(path) => read(&base.as_ref().join(path), &ReadOptions::default(), &mut warnings)?,
+            Source::Raw { path, dims, voxel_type, components, skip, big_endian } => {
+                let layout = RawLayout {
+                    components: *components,
+                    endian: if *big_endian { Endian::Big } else { Endian::Little },
+                    // With no bytes to skip the file must hold the values and nothing else.
+                    skip: Some(*skip).filter(|skip| *skip > 0),
+                    ..RawLayout::new(*dims, *voxel_type)
+                };
+                let options = ReadOptions { raw: Some(layout), ..ReadOptions::default() };
+                read(&base.as_ref().join(path), &options, &mut warnings)?
+            }
+            Source::Sample(sample) => sampled(k, sample)?,
+            Source::Memory => return Err(LoadError::Memory { volume: k }),
+        };
+        volumes.push(Arc::new(volume));
+    }
+    Ok((volumes, warnings))
+}
+
+fn read(path: &Path, options: &ReadOptions, warnings: &mut Vec<Warning>) -> Result<Volume, LoadError> {
+    let loaded = pellucid_io::read(path, options)?;
+    warnings.extend(loaded.warnings);
+    // Integers are always finite: there is nothing to count.
+    if !loaded.volume.voxels().voxel_type().is_integer() {
+        let counts = loaded.volume.statistics();
+        if counts.nan + counts.infinite > 0 {
+            warnings.push(Warning::NotFinite { nan: counts.nan, infinite: counts.infinite });
+        }
+    }
+    Ok(loaded.volume)
+}
+
+fn sampled(volume: usize, sample: &SampleSource) -> Result<Volume, LoadError> {
+    let field = closed_form::by_name(&sample.name).ok_or_else(|| LoadError::UnknownSample {
+        volume,
+        found: sample.name.clone(),
+        known: closed_form::names().collect::<Vec<_>>().join(", "),
+    })?;
+    let about = field.about();
+    let dims = sample.dims.unwrap_or(about.dims);
+    let voxel_type = sample.voxel_type.unwrap_or(about.voxel_type);
+    closed_form::sample_field(field.as_ref(), dims, voxel_type).map_err(|source| LoadError::Sample { volume, source })
+}

@@ -1,0 +1,122 @@
+//! The subcommands around `render`.
+
+mod common;
+
+use common::{command, fail_in, files, run_in, succeed_in, text};
+use serde_json::Value;
+use tempfile::tempdir;
+
+#[test]
+fn info_tells_what_is_in_a_file() {
+    let folder = tempdir().unwrap();
+    // 4 x 3 x 2 floats at x + y + z, one of them NaN, in a NRRD written by hand.
+    let mut file = b"NRRD0004\ntype: float\ndimension: 3\nsizes: 4 3 2\nendian: little\nencoding: raw\n\
+        space: left-posterior-superior\nspace directions: (0.5,0,0) (0,-2,0) (0,0,3)\nspace origin: (10,20,30)\n\n"
+        .to_vec();
+    for (z, y, x) in (0..2).flat_map(|z| (0..3).flat_map(move |y| (0..4).map(move |x| (z, y, x)))) {
+        let value = if (x, y, z) == (0, 0, 0) { f32::NAN } else { (x + y + z) as f32 };
+        file.extend(value.to_le_bytes());
+    }
+    std::fs::write(folder.path().join("a.nrrd"), file).unwrap();
+    let said = succeed_in(folder.path(), &["info", "a.nrrd"]);
+    for part in ["4 x 3 x 2", "f32", "0.5 x 2 x 3", "1.5 x 4 x 3", "10, 20, 30", "LAS", "1 to 6", "1 NaN", "█"] {
+        assert!(said.contains(part), "'{part}' is not in {said}");
+    }
+    assert!(said.lines().all(|line| line.chars().count() <= 200));
+
+    let told: Value =
+        serde_json::from_str(&succeed_in(folder.path(), &["info", "--json", "a.nrrd", "a.nrrd"])).unwrap();
+    assert_eq!(told.as_array().map(Vec::len), Some(2));
+    let volume = &told[0];
+    assert_eq!((&volume["min"], &volume["max"], &volume["nan"]), (&1.0.into(), &6.0.into(), &1.into()));
+    assert_eq!(volume["orientation"], "LAS");
+    // 0 once (absent), then the sums of 0..4, 0..3 and 0..2: mean of the other 23.
+    assert!((volume["mean"].as_f64().unwrap() - 72.0 / 23.0).abs() < 1e-6, "{}", volume["mean"]);
+    let counts: u64 = volume["histogram"]["counts"].as_array().unwrap().iter().filter_map(Value::as_u64).sum();
+    assert_eq!(counts, 23);
+    assert!(volume["warnings"].to_string().contains("1 NaN"));
+    fail_in(folder.path(), &["info", "a.nrrd", "--component", "1"], 2);
+}
+
+#[test]
+fn samples_are_written_in_every_format_and_converted() {
+    let folder = tempdir().unwrap();
+    let path = folder.path();
+    let read = |name: &str| pellucid::io::read(path.join(name), &pellucid::io::ReadOptions::default()).unwrap().volume;
+    succeed_in(path, &["sample", "head", "--dims", "7x6x5", "--type", "i16", "-o", "head.nrrd", "--quiet"]);
+    let original = read("head.nrrd");
+    assert_eq!(original.grid().dims(), [7, 6, 5]);
+    for name in ["head.mha", "head.nii.gz", "head.nhdr"] {
+        succeed_in(path, &["convert", "head.nrrd", "-o", name, "--quiet"]);
+        let converted = read(name);
+        for voxel in [[0, 0, 0], [3, 2, 1], [6, 5, 4]] {
+            assert_eq!(converted.value(voxel, 0), original.value(voxel, 0), "{name}");
+        }
+    }
+    let message = fail_in(path, &["convert", "head.nrrd", "-o", "head.xyz"], 2);
+    assert!(message.contains("head.xyz"), "{message}");
+    fail_in(path, &["sample", "head", "-o", "no/folder.nrrd"], 1);
+    fail_in(path, &["sample", "heads", "-o", "a.nrrd"], 2);
+    assert!(!files(path).iter().any(|name| name.contains("tmp")));
+    let list = succeed_in(path, &["sample", "--list"]);
+    for name in pellucid::field::closed_form::names() {
+        assert!(list.lines().any(|line| line.starts_with(name)), "{name} is not in {list}");
+    }
+}
+
+#[test]
+fn presets_colormaps_and_opacities_are_listed() {
+    let folder = tempdir().unwrap();
+    let list = |args: &[&str]| succeed_in(folder.path(), &[&["presets"], args].concat());
+    for preset in pellucid::optics::Preset::all() {
+        assert!(list(&[]).contains(&preset.name));
+    }
+    assert!(list(&["--colormaps"]).lines().any(|line| line == "viridis"));
+    assert!(list(&["--opacities"]).lines().any(|line| line == "sigmoid_5"));
+    let json: Value = serde_json::from_str(&list(&["ct-bone", "--json"])).unwrap();
+    assert_eq!(json["name"], "ct-bone");
+    let names: Vec<String> = serde_json::from_str(&list(&["--json"])).unwrap();
+    assert!(names.contains(&"ct-bone".to_owned()));
+    assert!(list(&["ct-bone"]).contains("opacities"));
+    assert!(fail_in(folder.path(), &["presets", "ct"], 2).contains("ct-bone"));
+}
+
+#[test]
+fn schema_and_completions_are_printed() {
+    let folder = tempdir().unwrap();
+    let schema: Value = serde_json::from_str(&succeed_in(folder.path(), &["schema"])).unwrap();
+    assert!(schema["properties"]["quality"].is_object());
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        assert!(succeed_in(folder.path(), &["completions", shell]).contains("supersampling"), "{shell}");
+    }
+    fail_in(folder.path(), &["completions", "tcsh"], 2);
+}
+
+#[test]
+fn help_is_short_or_long_and_tells_the_exit_codes() {
+    let folder = tempdir().unwrap();
+    let (short, long) = (succeed_in(folder.path(), &["-h"]), succeed_in(folder.path(), &["--help"]));
+    assert!(short.len() < long.len());
+    for code in ["  0  fine", "  1  ", "  2  ", "130  cancelled"] {
+        assert!(long.contains(code), "{long}");
+    }
+    let (short, long) =
+        (succeed_in(folder.path(), &["render", "-h"]), succeed_in(folder.path(), &["render", "--help"]));
+    assert!(short.len() < long.len() && !short.contains("radiological") && long.contains("radiological"));
+    for heading in
+        ["Picture:", "Camera:", "Look:", "Technique:", "Quality:", "Clipping and data:", "Raw input:", "Output:"]
+    {
+        assert!(long.contains(heading) && short.contains(heading), "{heading}");
+    }
+    assert_eq!(run_in(folder.path(), &[]).status.code(), Some(2));
+    fail_in(folder.path(), &["paint"], 2);
+}
+
+#[test]
+fn a_reader_that_has_seen_enough_is_no_failure() {
+    let mut child =
+        command(&["schema"]).stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), text(&output.stderr).as_str()), (Some(0), ""));
+}
