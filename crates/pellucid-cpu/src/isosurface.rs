@@ -111,9 +111,10 @@ impl<R: Reconstruct> Isosurfaces<'_, R> {
         let t = self.root(span, t, value, level.value);
         let index = span.index_at(t);
         let gradient = self.probe.gradient(index, level.value);
-        let color = self.surface.as_ref().map_or(level.color, |surface| {
-            surface.shade(level.color, span.ray.at(t), gradient, -span.ray.direction)
-        });
+        let color = self
+            .surface
+            .as_ref()
+            .map_or(level.color, |surface| surface.shade(level.color, span.ray.at(t), gradient, -span.ray.direction));
         tally.visible += 1;
         let weight = (1.0 - traced.color[3]) * level.opacity;
         for channel in 0..3 {

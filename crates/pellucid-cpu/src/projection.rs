@@ -32,7 +32,13 @@ impl<R: Reconstruct> Integrator for Extreme<'_, R> {
             if let Some(map) = &self.skip {
                 let dead = |block: usize| match map.range(block) {
                     None => true,
-                    Some([low, high]) => if self.minimum { best <= low as f64 } else { best >= high as f64 },
+                    Some([low, high]) => {
+                        if self.minimum {
+                            best <= low as f64
+                        } else {
+                            best >= high as f64
+                        }
+                    }
                 };
                 if let Some(next) = map.leap(span, lattice, k, dead) {
                     tally.skipped += (next - k) as u64;

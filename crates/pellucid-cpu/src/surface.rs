@@ -26,8 +26,7 @@ impl Surface<'_> {
     pub fn shade(&self, base: [f32; 3], point: DVec3, gradient: DVec3, to_eye: DVec3) -> [f32; 3] {
         let at = point.as_vec3();
         let lights = self.lights.iter().map(|light| light.incident(at));
-        let lit =
-            blinn_phong(self.material, base, normal(gradient).as_vec3(), to_eye.as_vec3(), self.ambient, lights);
+        let lit = blinn_phong(self.material, base, normal(gradient).as_vec3(), to_eye.as_vec3(), self.ambient, lights);
         self.weight.map_or(lit, |weight| weight.mix(gradient.length() as f32, base, lit))
     }
 }

@@ -23,9 +23,7 @@ fn what_is_nearer_is_in_front() {
         &[(0.0, 0.0), (0.9, 0.0), (0.9, 0.08), (1.5, 0.08), (1.5, 1.0), (2.0, 1.0)],
     );
     // Red (1) at small y, in front of the camera that looks along +y; blue (2) behind.
-    let layered = |flip: bool| {
-        unit_volume([9, 21, 9], move |p| if (p.y < 10.0) != flip { 1.0 } else { 2.0 })
-    };
+    let layered = |flip: bool| unit_volume([9, 21, 9], move |p| if (p.y < 10.0) != flip { 1.0 } else { 2.0 });
     let red_first = draw(&layered(false), &tf, Classification::Post, 0.05);
     let blue_first = draw(&layered(true), &tf, Classification::Post, 0.05);
     // Where values pass 1.5 between the layers, half a voxel past the last red one.
@@ -108,10 +106,7 @@ fn a_thin_spike_needs_preintegration() {
 /// Post-classification has holes where pre-integration has none: spheres of a thin shell.
 #[test]
 fn a_thin_shell_has_no_holes_when_preintegrated() {
-    let tf = transfer_function(
-        &[(0.0, 0xffffff)],
-        &[(0.0, 0.0), (7.9, 0.0), (8.0, 0.9), (8.1, 0.0), (20.0, 0.0)],
-    );
+    let tf = transfer_function(&[(0.0, 0xffffff)], &[(0.0, 0.0), (7.9, 0.0), (8.0, 0.9), (8.1, 0.0), (20.0, 0.0)]);
     let shell = unit_volume([24; 3], |p| (p - DVec3::splat(11.5)).length());
     let covered = |classification| {
         let frame = render(&stage(shell.clone(), tf.clone(), |scene| {

@@ -9,7 +9,8 @@ use pellucid_optics::Color;
 use pellucid_scene::{Isosurface, Isovalue, Mode, Scene};
 
 fn surfaces(levels: &[(f64, u32, f32)]) -> Mode {
-    let level = |&(value, color, opacity): &(f64, u32, f32)| Isovalue { value, color: Some(Color::hex(color)), opacity };
+    let level =
+        |&(value, color, opacity): &(f64, u32, f32)| Isovalue { value, color: Some(Color::hex(color)), opacity };
     Mode::Isosurface(Isosurface { isovalues: levels.iter().map(level).collect() })
 }
 

@@ -89,12 +89,7 @@ fn a_thick_slab_projects_its_own_values() {
     let gray = transfer_function(&[(0.0, 0x000000), (20.0, 0xffffff)], &[(0.0, 1.0)])
         .with_color_space(pellucid_optics::ColorSpace::Linear);
     for (combine, expected) in [(Combine::Maximum, 7.0), (Combine::Minimum, 3.0), (Combine::Average, 5.0)] {
-        let slice = Slice {
-            point: Some([4.0, 5.0, 4.0]),
-            normal: Some([0.0, 2.0, 0.0]),
-            thickness: 4.0,
-            combine,
-        };
+        let slice = Slice { point: Some([4.0, 5.0, 4.0]), normal: Some([0.0, 2.0, 0.0]), thickness: 4.0, combine };
         let stage = stage(unit_volume([9, 11, 9], |p| p.y), gray.clone(), |scene| {
             set_mode(scene, Mode::Slice(slice));
             scene.quality.step = 0.01;

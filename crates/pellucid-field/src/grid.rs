@@ -119,7 +119,12 @@ impl Grid {
 
     /// The eight corners of the grid's box in the world, x fastest.
     pub fn world_corners(&self) -> [DVec3; 8] {
-        let (low, high) = self.index_bounds();
+        self.world_corners_of(self.index_bounds())
+    }
+
+    /// The eight corners in the world of a box in index space, given as (lowest, highest) corner;
+    /// x fastest.
+    pub fn world_corners_of(&self, (low, high): (DVec3, DVec3)) -> [DVec3; 8] {
         std::array::from_fn(|corner| {
             let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
             self.world_from_index.transform_point3(DVec3::new(pick(0), pick(1), pick(2)))

@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use crate::sampler::check_component;
 use crate::{FieldError, Volume, Voxel, for_voxels};
 
 /// The stable pole of the inverse of the sampled cubic B-spline (1, 4, 1) / 6: sqrt(3) - 2.
@@ -20,7 +19,7 @@ const POLE: f64 = -0.267_949_192_431_122_7;
 /// # Errors
 /// [`FieldError::Parameter`] if there is no such component.
 pub fn spline_coefficients(volume: &Volume, component: usize) -> Result<Volume, FieldError> {
-    check_component(volume, component)?;
+    volume.check_component(component)?;
     let coefficients = for_voxels!(volume.voxels(), data => {
         coefficients(data, volume.grid().dims(), volume.components(), component)
     });

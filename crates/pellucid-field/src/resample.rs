@@ -94,9 +94,9 @@ fn resample_component(
     let (source, dims) = (sampler.source(), volume.grid().dims());
     let linear = old_from_new.matrix3;
     // The length of a row is how far one step of every new axis goes along an old one.
-    let shrink: [f64; 3] = std::array::from_fn(|axis| match filter {
-        Filter::Nearest => 1.0,
-        _ => linear.row(axis).length().max(1.0),
+    let shrink: [f64; 3] = std::array::from_fn(|axis| match linear.row(axis).length() {
+        step if filter != Filter::Nearest && step > 1.0 + TOLERANCE => step,
+        _ => 1.0,
     });
     let run = |plans: [Plan; 3]| {
         for_voxels!(source.voxels(), data => {
@@ -117,7 +117,7 @@ fn resample_component(
     }));
     let smooth = Volume::new(*volume.grid(), smooth.into_iter().map(|v| v as f32).collect::<Vec<_>>())?;
     // These are the values of the filtered field: a filter that smooths must not do so twice.
-    let filter = if true { filter } else { Filter::BSpline { prefilter: true } };
+    let filter = if filter.is_interpolating() { filter } else { Filter::BSpline { prefilter: true } };
     Ok(with_reconstruction!(&Sampler::new(&smooth, 0, filter)?, field => sample(&field, grid.dims(), old_from_new)))
 }
 

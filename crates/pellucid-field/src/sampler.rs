@@ -277,7 +277,7 @@ impl<'a> Sampler<'a> {
     /// component.
     pub fn new(volume: &'a Volume, component: usize, filter: Filter) -> Result<Self, FieldError> {
         filter.validate()?;
-        check_component(volume, component)?;
+        volume.check_component(component)?;
         if filter == (Filter::BSpline { prefilter: true }) {
             let source = Cow::Owned(prefilter::spline_coefficients(volume, component)?);
             return Ok(Self { source, component: 0, filter });
@@ -309,15 +309,6 @@ impl<'a> Sampler<'a> {
     pub fn value_world(&self, position: DVec3) -> f64 {
         self.value(self.source.grid().index_from_world().transform_point3(position))
     }
-}
-
-/// [`FieldError::Parameter`] if a volume has no such component.
-pub(crate) fn check_component(volume: &Volume, component: usize) -> Result<(), FieldError> {
-    if component < volume.components() {
-        return Ok(());
-    }
-    let expected = "must be less than the number of components per voxel";
-    Err(FieldError::Parameter { name: "component", found: component as f64, expected })
 }
 
 /// Runs an expression with the concrete field of a [`Sampler`]:

@@ -38,6 +38,12 @@ fn lying_sizes_fail_fast_without_allocating() {
         nrrd("4096 4096 4096", "int64", "gzip", &zeros),
         nrrd("4096 4096 4096", "float", "bzip2", &bzip2),
         nrrd("4096 4096 4096", "int64", "bzip2", &bzip2),
+        // Two gigabytes could be had.
+        nrrd("1024 1024 512", "float", "raw", &[0; 64]),
+        nrrd("1024 1024 512", "float", "hex", &[b'0'; 64]),
+        nrrd("1024 1024 512", "float", "ascii", b"1 2 3"),
+        nrrd("1024 1024 512", "float", "gzip", &zeros),
+        nrrd("1024 1024 512", "float", "bzip2", &bzip2),
         nrrd("4294967296 4294967296 4294967296", "float", "raw", &[0; 64]),
         nrrd("9223372036854775807 1 1", "uint8", "bzip2", &bzip2),
         nrrd("18446744073709551615 1 1", "uint8", "gzip", &zeros),

@@ -61,8 +61,8 @@ fn the_standard_precedence_holds() {
         close(found.matrix3.x_axis, DVec3::new(0.0, -2.0, 0.0));
         close(found.matrix3.y_axis, DVec3::new(3.0, 0.0, 0.0));
         close(found.matrix3.z_axis, DVec3::new(0.0, 0.0, -4.0));
-        // A half turn about x has a = 0.
-        let (half, _) = affine(sized().qform(2, [1.0, 0.0, 0.0], [0.0; 3]));
+        // A half turn about x has a = 0, whichever way b is rounded.
+        let (half, _) = affine(sized().qform(2, [1.000_000_1, 0.0, 0.0], [0.0; 3]));
         close(half.matrix3.y_axis, DVec3::new(0.0, 3.0, 0.0));
         close(half.matrix3.z_axis, DVec3::new(0.0, 0.0, 4.0));
 
@@ -133,6 +133,31 @@ fn every_datatype_of_the_standard_is_read_or_refused_by_name() {
     {
         let error = message(load("a.nii", Header::new(1, false).datatype(code, 8).with_counting(99)));
         assert!(error.contains(name), "{error}");
+    }
+}
+
+#[test]
+fn values_of_every_size_are_read_in_both_byte_orders() {
+    for big in [false, true] {
+        let order = |little: &[u8]| {
+            let mut bytes = little.to_vec();
+            if big {
+                bytes.reverse();
+            }
+            bytes.repeat(12)
+        };
+        for (code, bits, data, value) in [
+            (512, 16, order(&0x1234u16.to_le_bytes()), f64::from(0x1234)),
+            (8, 32, order(&(-123_456_789i32).to_le_bytes()), -123_456_789.0),
+            (16, 32, order(&(-1.5e-3f32).to_le_bytes()), f64::from(-1.5e-3f32)),
+            (64, 64, order(&(-0.125f64).to_le_bytes()), -0.125),
+            (1024, 64, order(&(-123_456_789i64).to_le_bytes()), -123_456_789.0),
+        ] {
+            let file = Header::new(2, big).datatype(code, bits).with(&data);
+            for file in [gzip(&file), file] {
+                assert_eq!(stored(&load("a.nii", file).unwrap().volume), [value; 12], "{code}, big {big}");
+            }
+        }
     }
 }
 

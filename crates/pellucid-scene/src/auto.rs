@@ -1,10 +1,10 @@
 //! Automatic choices: a look for data nobody has described.
 
 use glam::DVec3;
-use pellucid_field::{Histogram, Volume};
+use pellucid_field::{Blocks, Histogram, Volume};
 use pellucid_optics::{
-    ColorMap, GradientWeight, Interpolation, Material, OpacityPoint, OpticsError, Preset, Scale, TransferFunction,
-    opacity_shape,
+    ColorMap, DataRange, GradientWeight, Interpolation, Material, OpacityPoint, OpticsError, Preset, Scale, Table,
+    TransferFunction, Visibility, opacity_shape,
 };
 
 use crate::resolve::Choice;
@@ -18,12 +18,7 @@ pub struct Look {
 }
 
 /// The optics an entry asks for, completed by what suits its data; every choice is noted.
-pub fn look(
-    entry: &VolumeEntry,
-    volume: &Volume,
-    mode: &Mode,
-    choices: &mut Vec<Choice>,
-) -> Result<Look, OpticsError> {
+pub fn look(entry: &VolumeEntry, volume: &Volume, mode: &Mode, choices: &mut Vec<Choice>) -> Result<Look, OpticsError> {
     let mut preset = entry.preset.as_deref().map(Preset::by_name).transpose()?;
     let shaped = entry.colormap.is_some() || entry.opacity.is_some();
     if preset.is_none() && entry.transfer_function.is_none() && !shaped && !shows_values(mode) {
@@ -53,8 +48,8 @@ pub fn look(
         None => windowed(entry, mode, preset, window)?,
     };
     let weight = preset.map(|preset| preset.gradient_weight(window, volume.grid().mean_spacing())).transpose()?;
-    let shading = entry.shading.or(preset.map(|preset| preset.shading));
-    let lit = shading.unwrap_or(entry.material.is_some() || matches!(mode, Mode::Isosurface(_)));
+    let by_default = matches!(mode, Mode::Isosurface(_)) || preset.map_or(entry.material.is_some(), |p| p.shading);
+    let lit = entry.shading.unwrap_or(by_default);
     let material = entry.material.or(preset.map(|preset| preset.material)).unwrap_or_default();
     Ok(Look {
         transfer_function: with_unit_distance(tf, entry, volume, mode, choices)?,
@@ -128,7 +123,8 @@ fn preset_for(volume: &Volume) -> (&'static str, String) {
     let range = volume.statistics();
     let hounsfield = volume.value_unit.as_deref() == Some("HU");
     // Air at -1000 and something denser than water: nothing but CT numbers looks like that.
-    let like_ct = volume.voxels().voxel_type().is_integer() && (-3100.0..=-900.0).contains(&range.min) && range.max > 200.0;
+    let like_ct =
+        volume.voxels().voxel_type().is_integer() && (-3100.0..=-900.0).contains(&range.min) && range.max > 200.0;
     if hounsfield || like_ct {
         let why = if hounsfield { "values are in HU" } else { "values reach from air to bone in Hounsfield units" };
         return ("ct-bone", why.to_owned());
@@ -154,6 +150,38 @@ fn window_of(volume: &Volume, component: usize) -> ([f64; 2], &'static str) {
         None if range.max > range.min => (whole, "the range of the data"),
         None => ([range.min - 0.5, range.min + 0.5], "around the only value there is"),
     }
+}
+
+/// Corners of what a camera should frame: of the part of the grid that can be seen at all, or of
+/// the whole grid where a mode shows every value.
+pub fn framed_corners(volume: &Volume, component: usize, tf: &TransferFunction, mode: &Mode) -> Vec<DVec3> {
+    let visible = match mode {
+        Mode::Isosurface(surfaces) => visible_indices(volume, component, |low, high| {
+            surfaces.isovalues.iter().any(|iso| f64::from(low) <= iso.value && iso.value <= f64::from(high))
+        }),
+        mode if shows_values(mode) => None,
+        _ => Table::for_data(tf, &DataRange::of(volume)).ok().and_then(|table| {
+            let visibility = Visibility::of_table(&table);
+            visible_indices(volume, component, |low, high| visibility.any_opacity(low, high))
+        }),
+    };
+    let bounds = visible.unwrap_or_else(|| volume.grid().index_bounds());
+    volume.grid().world_corners_of(bounds).to_vec()
+}
+
+/// The index box around all blocks whose range of values is visible; `None` if there is no such
+/// block.
+fn visible_indices(volume: &Volume, component: usize, seen: impl Fn(f32, f32) -> bool) -> Option<(DVec3, DVec3)> {
+    const BLOCK: usize = 8;
+    let blocks = Blocks::new(volume, component, BLOCK, 0).ok()?;
+    let [nx, ny, _] = blocks.dims();
+    let visible = blocks.ranges().iter().enumerate().filter(|(_, [low, high])| low <= high && seen(*low, *high));
+    let positions = visible.map(|(b, _)| DVec3::new((b % nx) as f64, (b / nx % ny) as f64, (b / (nx * ny)) as f64));
+    let (first, last) = positions.fold(None, |found: Option<(DVec3, DVec3)>, p| {
+        Some(found.map_or((p, p), |(low, high)| (low.min(p), high.max(p))))
+    })?;
+    let (low, high) = volume.grid().index_bounds();
+    Some(((first * BLOCK as f64).max(low), ((last + 1.0) * BLOCK as f64).min(high)))
 }
 
 /// What the camera was set to where the scene left it open.

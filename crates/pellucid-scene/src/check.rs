@@ -14,13 +14,7 @@ pub struct Invalid {
 pub(crate) type Checked = Result<(), Invalid>;
 
 /// Fails with what was found and what is allowed unless `holds`.
-pub(crate) fn require(
-    holds: bool,
-    path: &str,
-    key: &str,
-    found: impl std::fmt::Display,
-    allowed: &str,
-) -> Checked {
+pub(crate) fn require(holds: bool, path: &str, key: &str, found: impl std::fmt::Display, allowed: &str) -> Checked {
     if holds {
         return Ok(());
     }

@@ -78,8 +78,9 @@ impl Quality {
         let early = self.early_termination;
         require(early > 0.0 && early <= 1.0, path, "early_termination", early, "an opacity above 0, up to 1")?;
         require((1..=16).contains(&self.supersampling), path, "supersampling", self.supersampling, "1 to 16")?;
-        self.filter.validate().and_then(|()| self.gradient.validate()).or_else(|error| {
-            require(false, path, "", error, "a filter and a gradient within their documented ranges")
-        })
+        self.filter
+            .validate()
+            .and_then(|()| self.gradient.validate())
+            .or_else(|error| require(false, path, "", error, "a filter and a gradient within their documented ranges"))
     }
 }

@@ -123,7 +123,10 @@ impl Scene {
         for (k, (entry, volume)) in self.volumes.iter().zip(volumes).enumerate() {
             staged.push(self.stage_volume(k, entry, volume, &mut choices)?);
         }
-        let corners: Vec<DVec3> = staged.iter().flat_map(|v| v.volume.grid().world_corners()).collect();
+        let corners: Vec<DVec3> = staged
+            .iter()
+            .flat_map(|v| auto::framed_corners(&v.volume, v.component, &v.transfer_function, self.mode()))
+            .collect();
         let ImageSettings { width, height, .. } = self.image;
         let viewpoint = self.camera.viewpoint(width as usize, height as usize, &corners);
         choices.extend(auto::camera_choice(&self.camera, &viewpoint));
@@ -161,8 +164,8 @@ impl Scene {
             keep_crop(&mut region, volume.grid(), crop);
         }
         let path = format!("volumes[{k}]");
-        let look = auto::look(entry, &volume, self.mode(), choices)
-            .map_err(|error| ResolveError::Optics { path, error })?;
+        let look =
+            auto::look(entry, &volume, self.mode(), choices).map_err(|error| ResolveError::Optics { path, error })?;
         Ok(StageVolume {
             component: entry.component,
             transfer_function: look.transfer_function,

@@ -137,7 +137,8 @@ impl VolumeEntry {
         if let Some(unit) = self.unit_distance {
             positive(path, "unit_distance", &[unit])?;
         }
-        let optics = |part: &str, error: &dyn std::fmt::Display| Invalid { path: join(path, part), message: error.to_string() };
+        let optics =
+            |part: &str, error: &dyn std::fmt::Display| Invalid { path: join(path, part), message: error.to_string() };
         if let Some(material) = &self.material {
             material.validate().map_err(|error| optics("material", &error))?;
         }
@@ -243,10 +244,9 @@ impl Scene {
         }
         self.camera.check("camera")?;
         for (k, light) in self.lighting.lights.iter().enumerate() {
-            light.resolve(DAffine3::IDENTITY).map_err(|error| Invalid {
-                path: format!("lighting.lights[{k}]"),
-                message: error.to_string(),
-            })?;
+            light
+                .resolve(DAffine3::IDENTITY)
+                .map_err(|error| Invalid { path: format!("lighting.lights[{k}]"), message: error.to_string() })?;
         }
         let ambient = self.lighting.ambient;
         require(ambient >= 0.0 && ambient.is_finite(), "lighting", "ambient", ambient, "0 or more")?;
