@@ -8,7 +8,8 @@ use crate::integrator::{Integrator, Tally, Traced};
 use crate::lattice::Lattice;
 use crate::medium::Classify;
 use crate::probe::Probe;
-use crate::skip::BlockMap;
+use crate::segments::each_segment;
+use crate::skip::SkipGrid;
 use crate::span::Span;
 use crate::surface::{Surface, normal};
 
@@ -18,8 +19,8 @@ pub struct Medium<'a, R> {
     pub probe: Probe<'a, R>,
     /// Light, if surfaces are shaded.
     pub surface: Option<Surface<'a>>,
-    /// Blocks and which of them can contribute, if empty space is skipped.
-    pub skip: Option<(BlockMap<'a>, Vec<bool>)>,
+    /// Blocks that can contribute, if empty space is skipped.
+    pub skip: Option<SkipGrid<'a>>,
     /// Opacity at which a ray stops.
     pub early_termination: f32,
 }
@@ -80,9 +81,7 @@ impl<R: Reconstruct, C: Classify<R>> Integrator for Composite<'_, R, C> {
         let mut ray = Accumulator { color: [0.0; 4], half: None };
         let mut k = 0;
         while k < lattice.count {
-            if let Some((map, live)) = &medium.skip
-                && let Some(next) = map.leap(span, lattice, k, |block| !live[block])
-            {
+            if let Some(next) = medium.skip.as_ref().and_then(|skip| skip.leap(span, lattice, k)) {
                 tally.skipped += (next - k) as u64;
                 k = next;
                 continue;
@@ -120,48 +119,23 @@ impl<R: Reconstruct> Integrator for PreIntegrated<'_, R> {
     fn trace(&self, span: &Span, lattice: &Lattice, tally: &mut Tally) -> Traced {
         let medium = &self.medium;
         let mut ray = Accumulator { color: [0.0; 4], half: None };
-        // `front` is the value at node n - 1, fetched when it is not carried over.
-        let mut front = None;
-        let mut n = 1;
-        while n <= lattice.count + 1 {
-            let start = lattice.node(n - 1, span.exit);
-            if let Some((map, live)) = &medium.skip
-                && let Some(next) = lattice.leap_nodes(n, map.dead_until(span, start, |block| !live[block]))
-            {
-                tally.skipped += (next - n) as u64;
-                n = next;
-                front = None;
-                continue;
-            }
-            let end = lattice.node(n, span.exit);
-            let carried = front.unwrap_or_else(|| {
-                tally.samples += 1;
-                medium.probe.value(span.index_at(start))
-            });
-            tally.samples += 1;
-            let back = medium.probe.value(span.index_at(end));
-            front = Some(back);
-            let ratio = (end - start) / lattice.step();
-            if let Some(rgba) = self.segment(carried, back, ratio) {
-                tally.visible += 1;
-                let middle = (start + end) / 2.0;
-                let value = if medium.surface.is_some() { medium.probe.value(span.index_at(middle)) } else { f64::NAN };
-                if medium.add(&mut ray, middle, medium.lit(span, middle, value, rgba)) {
-                    tally.terminated += 1;
-                    break;
-                }
-            }
-            n += 1;
-        }
+        each_segment(&medium.probe, medium.skip.as_ref(), span, lattice, tally, |segment, tally| {
+            let [start, end] = segment.t;
+            let Some(rgba) = self.integral(segment.value, (end - start) / lattice.step()) else { return false };
+            tally.visible += 1;
+            let middle = (start + end) / 2.0;
+            let value = if medium.surface.is_some() { medium.probe.value(span.index_at(middle)) } else { f64::NAN };
+            medium.add(&mut ray, middle, medium.lit(span, middle, value, rgba))
+        });
         medium.finish(&ray, span)
     }
 }
 
 impl<R> PreIntegrated<'_, R> {
-    /// The integral over a segment with the values at its ends, if it has any opacity. Where one
+    /// The integral over a segment with these values at its ends, if it has any opacity. Where one
     /// end is absent the field reaches half way with the value of the other.
     #[inline(always)]
-    fn segment(&self, front: f64, back: f64, ratio: f64) -> Option<[f32; 4]> {
+    fn integral(&self, [front, back]: [f64; 2], ratio: f64) -> Option<[f32; 4]> {
         let (front, back, ratio) = match (front.is_nan(), back.is_nan()) {
             (false, false) => (front, back, ratio),
             (false, true) => (front, front, ratio / 2.0),

@@ -8,7 +8,8 @@ use pellucid_scene::Isovalue;
 use crate::integrator::{Integrator, Tally, Traced};
 use crate::lattice::Lattice;
 use crate::probe::Probe;
-use crate::skip::BlockMap;
+use crate::segments::{Segment, each_segment};
+use crate::skip::SkipGrid;
 use crate::span::Span;
 use crate::surface::{Surface, normal};
 
@@ -39,8 +40,8 @@ pub struct Isosurfaces<'a, R> {
     pub surface: Option<Surface<'a>>,
     /// The surfaces.
     pub levels: Vec<Level>,
-    /// Blocks and which of them hold a surface, if the others are skipped.
-    pub skip: Option<(BlockMap<'a>, Vec<bool>)>,
+    /// Blocks that hold a surface, if the others are skipped.
+    pub skip: Option<SkipGrid<'a>>,
     /// Opacity at which a ray stops.
     pub early_termination: f32,
 }
@@ -51,32 +52,9 @@ const ROOT_VOXELS: f64 = 1e-5;
 impl<R: Reconstruct> Integrator for Isosurfaces<'_, R> {
     fn trace(&self, span: &Span, lattice: &Lattice, tally: &mut Tally) -> Traced {
         let mut traced = Traced::NOTHING;
-        let mut front = None;
-        let mut n = 1;
-        while n <= lattice.count + 1 {
-            let start = lattice.node(n - 1, span.exit);
-            if let Some((map, live)) = &self.skip
-                && let Some(next) = lattice.leap_nodes(n, map.dead_until(span, start, |block| !live[block]))
-            {
-                tally.skipped += (next - n) as u64;
-                n = next;
-                front = None;
-                continue;
-            }
-            let end = lattice.node(n, span.exit);
-            let carried = front.unwrap_or_else(|| {
-                tally.samples += 1;
-                self.probe.value(span.index_at(start))
-            });
-            tally.samples += 1;
-            let back = self.probe.value(span.index_at(end));
-            front = Some(back);
-            if self.cross(span, [start, end], [carried, back], &mut traced, tally) {
-                tally.terminated += 1;
-                break;
-            }
-            n += 1;
-        }
+        each_segment(&self.probe, self.skip.as_ref(), span, lattice, tally, |segment, tally| {
+            self.cross(span, segment, &mut traced, tally)
+        });
         traced
     }
 }
@@ -84,7 +62,8 @@ impl<R: Reconstruct> Integrator for Isosurfaces<'_, R> {
 impl<R: Reconstruct> Isosurfaces<'_, R> {
     /// Adds the surfaces that one segment crosses, nearest first. Returns whether the ray is done.
     #[inline(always)]
-    fn cross(&self, span: &Span, t: [f64; 2], value: [f64; 2], traced: &mut Traced, tally: &mut Tally) -> bool {
+    fn cross(&self, span: &Span, segment: Segment, traced: &mut Traced, tally: &mut Tally) -> bool {
+        let value = segment.value;
         if value[0].is_nan() || value[1].is_nan() {
             return false;
         }
@@ -94,21 +73,13 @@ impl<R: Reconstruct> Isosurfaces<'_, R> {
             if (value[0] < level.value) == (value[1] < level.value) {
                 return false;
             }
-            self.hit(span, t, value, level, traced, tally)
+            self.hit(span, segment, level, traced, tally)
         };
         if rising { self.levels.iter().any(&mut done) } else { self.levels.iter().rev().any(&mut done) }
     }
 
-    fn hit(
-        &self,
-        span: &Span,
-        t: [f64; 2],
-        value: [f64; 2],
-        level: &Level,
-        traced: &mut Traced,
-        tally: &mut Tally,
-    ) -> bool {
-        let t = self.root(span, t, value, level.value);
+    fn hit(&self, span: &Span, segment: Segment, level: &Level, traced: &mut Traced, tally: &mut Tally) -> bool {
+        let t = self.root(span, segment, level.value);
         let index = span.index_at(t);
         let gradient = self.probe.gradient(index, level.value);
         let color = self
@@ -130,7 +101,7 @@ impl<R: Reconstruct> Isosurfaces<'_, R> {
 
     /// Where the field passes `level` between two distances whose values bracket it: regula falsi
     /// with the Illinois rule, with bisection when it stalls, to [`ROOT_VOXELS`].
-    fn root(&self, span: &Span, [mut t0, mut t1]: [f64; 2], value: [f64; 2], level: f64) -> f64 {
+    fn root(&self, span: &Span, Segment { t: [mut t0, mut t1], value }: Segment, level: f64) -> f64 {
         let (mut f0, mut f1) = (value[0] - level, value[1] - level);
         let tolerance = ROOT_VOXELS / span.index_direction().abs().max_element();
         let mut kept = 0i32;
@@ -140,10 +111,7 @@ impl<R: Reconstruct> Isosurfaces<'_, R> {
             }
             let t = if round % 3 == 2 { (t0 + t1) / 2.0 } else { t0 + (t1 - t0) * (f0 / (f0 - f1)) };
             let f = self.probe.value(span.index_at(t)) - level;
-            if f.is_nan() {
-                return t;
-            }
-            if f == 0.0 {
+            if f.is_nan() || f == 0.0 {
                 return t;
             }
             if (f < 0.0) == (f0 < 0.0) {

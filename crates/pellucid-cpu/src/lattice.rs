@@ -57,15 +57,6 @@ impl Lattice {
         }
     }
 
-    /// For loops over segments between nodes: given that the block at node n - 1 is dead until some
-    /// distance, the first segment that may reach out of it. `None` if that is segment n itself.
-    #[inline(always)]
-    pub fn leap_nodes(&self, n: usize, dead_until: Option<f64>) -> Option<usize> {
-        // Sample s is node s + 1; the nodes up to s lie inside the block, so do the segments up to s.
-        let next = self.first_at(dead_until?) + 1;
-        (next > n).then_some(next)
-    }
-
     /// The step, in world units.
     pub fn step(&self) -> f64 {
         self.step

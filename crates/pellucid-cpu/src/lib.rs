@@ -16,6 +16,7 @@ mod prepare;
 mod probe;
 mod projection;
 mod renderer;
+mod segments;
 mod skip;
 mod slice;
 mod span;

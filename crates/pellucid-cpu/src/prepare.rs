@@ -15,7 +15,7 @@ use crate::isosurface::{Isosurfaces, Level};
 use crate::medium::{Post, Pre};
 use crate::probe::Probe;
 use crate::projection::{Additive, Average, Extreme, XRay};
-use crate::skip::BlockMap;
+use crate::skip::{BlockMap, SkipGrid};
 use crate::slice::Plane;
 use crate::surface::Surface;
 
@@ -196,10 +196,8 @@ impl<'s> Prepared<'s> {
         Some(Surface { material, weight, lights: &self.stage.lights, ambient: self.stage.ambient })
     }
 
-    fn skip(&self, live: impl Fn(f32, f32) -> bool) -> Option<(BlockMap<'_>, Vec<bool>)> {
-        let map = BlockMap::new(self.blocks.as_deref()?);
-        let flags = map.flags(live);
-        Some((map, flags))
+    fn skip(&self, live: impl Fn(f32, f32) -> bool) -> Option<SkipGrid<'_>> {
+        self.blocks.as_deref().map(|blocks| SkipGrid::new(blocks, live))
     }
 }
 

@@ -6,7 +6,7 @@ use pellucid_optics::{StepTable, Table, correct_opacity, extinction};
 use crate::integrator::{Integrator, Tally, Traced};
 use crate::lattice::Lattice;
 use crate::probe::Probe;
-use crate::skip::BlockMap;
+use crate::skip::{BlockMap, SkipGrid};
 use crate::span::Span;
 
 /// The largest or the smallest value.
@@ -106,8 +106,8 @@ pub struct Additive<'a, R> {
     pub table: &'a Table,
     /// Step in unit distances.
     pub step_ratio: f64,
-    /// Blocks and which of them can contribute, if empty space is skipped.
-    pub skip: Option<(BlockMap<'a>, Vec<bool>)>,
+    /// Blocks that can contribute, if empty space is skipped.
+    pub skip: Option<SkipGrid<'a>>,
 }
 
 impl<R: Reconstruct> Integrator for Additive<'_, R> {
@@ -115,7 +115,7 @@ impl<R: Reconstruct> Integrator for Additive<'_, R> {
         /// Opacity 1 would shine infinitely; this one emits 9.2 times its colour per unit distance.
         const BRIGHTEST: f64 = 0.9999;
         let mut sum = [0.0f64; 3];
-        each_visible(&self.probe, &self.skip, span, lattice, tally, |value, ratio| {
+        each_visible(&self.probe, self.skip.as_ref(), span, lattice, tally, |value, ratio| {
             let [r, g, b, a] = self.table.lookup(value as f32);
             let length = extinction(f64::from(a).min(BRIGHTEST), 1.0) * self.step_ratio * ratio;
             for (sum, c) in sum.iter_mut().zip([r, g, b]) {
@@ -134,14 +134,14 @@ pub struct XRay<'a, R> {
     pub probe: Probe<'a, R>,
     /// Opacity of one step.
     pub table: &'a StepTable,
-    /// Blocks and which of them can contribute, if empty space is skipped.
-    pub skip: Option<(BlockMap<'a>, Vec<bool>)>,
+    /// Blocks that can contribute, if empty space is skipped.
+    pub skip: Option<SkipGrid<'a>>,
 }
 
 impl<R: Reconstruct> Integrator for XRay<'_, R> {
     fn trace(&self, span: &Span, lattice: &Lattice, tally: &mut Tally) -> Traced {
         let mut through = 1.0f32;
-        each_visible(&self.probe, &self.skip, span, lattice, tally, |value, ratio| {
+        each_visible(&self.probe, self.skip.as_ref(), span, lattice, tally, |value, ratio| {
             let alpha = self.table.lookup(value as f32)[3];
             through *= 1.0 - correct_opacity(alpha, ratio as f32);
             alpha > 0.0
@@ -154,7 +154,7 @@ impl<R: Reconstruct> Integrator for XRay<'_, R> {
 /// visitor says whether the sample added anything.
 fn each_visible<R: Reconstruct>(
     probe: &Probe<R>,
-    skip: &Option<(BlockMap, Vec<bool>)>,
+    skip: Option<&SkipGrid>,
     span: &Span,
     lattice: &Lattice,
     tally: &mut Tally,
@@ -162,9 +162,7 @@ fn each_visible<R: Reconstruct>(
 ) {
     let mut k = 0;
     while k < lattice.count {
-        if let Some((map, live)) = skip
-            && let Some(next) = map.leap(span, lattice, k, |block| !live[block])
-        {
+        if let Some(next) = skip.and_then(|skip| skip.leap(span, lattice, k)) {
             tally.skipped += (next - k) as u64;
             k = next;
             continue;

@@ -22,20 +22,23 @@ impl<'a> BlockMap<'a> {
         Self { ranges: blocks.ranges(), size: blocks.size() as f64, dims: blocks.dims() }
     }
 
-    /// One flag per block: whether its value range satisfies `live`. Wholly absent blocks do not.
-    pub fn flags(&self, live: impl Fn(f32, f32) -> bool) -> Vec<bool> {
-        (0..self.ranges.len()).map(|b| self.range(b).is_some_and(|[low, high]| live(low, high))).collect()
-    }
-
     /// Value range of a block; `None` if it is wholly absent.
     #[inline(always)]
     pub fn range(&self, block: usize) -> Option<[f32; 2]> {
         Some(self.ranges[block]).filter(|range| *range != Blocks::ABSENT)
     }
 
+    /// The first lattice sample after k that may lie outside the dead block of sample k; `None` if
+    /// that block is not dead.
+    #[inline(always)]
+    pub fn leap(&self, span: &Span, lattice: &Lattice, k: usize, dead: impl Fn(usize) -> bool) -> Option<usize> {
+        let until = self.dead_until(span, lattice.sample(k), dead)?;
+        Some(lattice.first_at(until).max(k + 1))
+    }
+
     /// If the block at distance t is dead, the distance up to which the ray surely stays in it.
     #[inline(always)]
-    pub fn dead_until(&self, span: &Span, t: f64, dead: impl Fn(usize) -> bool) -> Option<f64> {
+    fn dead_until(&self, span: &Span, t: f64, dead: impl Fn(usize) -> bool) -> Option<f64> {
         let index = span.index_at(t);
         let block: [usize; 3] =
             std::array::from_fn(|axis| ((index[axis].max(0.0) / self.size) as usize).min(self.dims[axis] - 1));
@@ -43,14 +46,6 @@ impl<'a> BlockMap<'a> {
             return None;
         }
         Some(t + self.leave(index, block, span.index_direction()))
-    }
-
-    /// The first lattice sample after k that may lie outside the dead block of sample k; `None` if
-    /// that block is live.
-    #[inline(always)]
-    pub fn leap(&self, span: &Span, lattice: &Lattice, k: usize, dead: impl Fn(usize) -> bool) -> Option<usize> {
-        let until = self.dead_until(span, lattice.sample(k), dead)?;
-        Some(lattice.first_at(until).max(k + 1))
     }
 
     /// Distance from a position to the border of its block, a little short of it so that rounding
@@ -71,5 +66,38 @@ impl<'a> BlockMap<'a> {
             nearest = nearest.min((border - index[axis]) / d);
         }
         nearest.max(0.0)
+    }
+}
+
+/// The blocks of a volume, and which of them can contribute at all.
+pub struct SkipGrid<'a> {
+    map: BlockMap<'a>,
+    live: Vec<bool>,
+}
+
+impl<'a> SkipGrid<'a> {
+    /// Blocks whose value range satisfies `live` can contribute; wholly absent ones never do.
+    pub fn new(blocks: &'a Blocks, live: impl Fn(f32, f32) -> bool) -> Self {
+        let map = BlockMap::new(blocks);
+        let flag = |block| map.range(block).is_some_and(|[low, high]| live(low, high));
+        let live = (0..map.ranges.len()).map(flag).collect();
+        Self { map, live }
+    }
+
+    /// The first lattice sample after k that may contribute; `None` if sample k may.
+    #[inline(always)]
+    pub fn leap(&self, span: &Span, lattice: &Lattice, k: usize) -> Option<usize> {
+        self.map.leap(span, lattice, k, |block| !self.live[block])
+    }
+
+    /// The first segment between nodes after segment n that may contribute; `None` if segment n
+    /// may. A segment that crosses from block to block always may.
+    #[inline(always)]
+    pub fn leap_segment(&self, span: &Span, lattice: &Lattice, n: usize) -> Option<usize> {
+        let start = lattice.node(n - 1, span.exit);
+        let until = self.map.dead_until(span, start, |block| !self.live[block])?;
+        // Sample s is node s + 1; nodes up to s lie inside the block, and so do segments up to s.
+        let next = lattice.first_at(until) + 1;
+        (next > n).then_some(next)
     }
 }

@@ -78,7 +78,7 @@ fn odd_shapes_are_drawn() {
     for dims in [[1, 1, 1], [1, 1, 40], [40, 1, 1], [1, 40, 1], [1, 30, 30], [2049, 16, 16], [16, 16, 4097], [2, 2, 2]]
     {
         for mode in every_mode() {
-            let value = |p: DVec3| if (p.x + p.y + p.z) as usize % 2 == 0 { 5.0 } else { 3.5 };
+            let value = |p: DVec3| if p.element_sum() as usize & 1 == 0 { 5.0 } else { 3.5 };
             let frame = render(&stage(unit_volume(dims, value), opaque_above(2.0), |scene| {
                 set_mode(scene, mode.clone());
                 scene.volumes[0].shading = Some(true);

@@ -7,7 +7,7 @@ use pellucid_optics::{
     TransferFunction, Visibility, opacity_shape,
 };
 
-use crate::resolve::Choice;
+use crate::choice::Choice;
 use crate::{Camera, Mode, View, Viewpoint, VolumeEntry};
 
 /// Optics of a volume.

@@ -1,6 +1,5 @@
 //! From a document and loaded volumes to a stage: everything automatic is chosen, and said.
 
-use std::fmt;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
@@ -8,6 +7,7 @@ use pellucid_field::{FieldError, Grid, Volume};
 use pellucid_optics::{GradientWeight, Light, Material, OpticsError, ResolvedLight, TransferFunction};
 
 use crate::auto;
+use crate::choice::Choice;
 use crate::{Crop, ImageSettings, Invalid, Mode, Quality, RayCast, Region, Scene, Technique, Viewpoint, VolumeEntry};
 
 /// A volume with its optics, nothing left to choose.
@@ -53,21 +53,6 @@ pub struct Stage {
     pub image: ImageSettings,
     /// Distance between samples in world units.
     pub step: f64,
-}
-
-/// Something that was chosen because the scene left it open.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Choice {
-    /// The setting.
-    pub setting: &'static str,
-    /// What was chosen, and why.
-    pub chosen: String,
-}
-
-impl fmt::Display for Choice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.setting, self.chosen)
-    }
 }
 
 /// Why a scene does not fit its volumes.

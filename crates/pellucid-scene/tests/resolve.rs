@@ -111,7 +111,7 @@ fn values_are_shown_in_gray_where_a_mode_shows_values() {
 
 #[test]
 fn a_gradient_weight_is_spread_over_the_same_window_as_its_preset() {
-    let with = |transfer_function| VolumeEntry { transfer_function, preset: name("micro-ct"), ..entry() };
+    let with = |transfer_function| VolumeEntry { transfer_function, preset: name("mr-angiography"), ..entry() };
     let ((plain, _), (replaced, choices)) = (optics(with(None)), optics(with(Some(own()))));
     assert_eq!(plain.gradient_weight, replaced.gradient_weight);
     assert!(chose(&choices, "window").is_some());
