@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 
 use schemars::JsonSchema;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{DeserializeOwned, Error, Expected, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::{DeserializeOwned, DeserializeSeed, Error, Expected, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::{Color, OpticsError};
@@ -109,23 +109,59 @@ pub(crate) fn check<P: ControlPoint>(points: &[P]) -> Result<(), OpticsError> {
     if points.is_empty() {
         return Err(OpticsError::NoPoints { list: P::LIST });
     }
-    for (index, point) in points.iter().enumerate() {
-        let value = point.value();
-        let before = |back: usize| index.checked_sub(back).map(|earlier| points[earlier].value());
-        let problem = if value.is_nan() || value.abs() > f32::MAX as f64 {
-            Some("the value must be finite and fit a 32-bit float".to_owned())
-        } else if let Some(previous) = before(1).filter(|&previous| previous > value) {
-            Some(format!("points must ascend, the one before is at {previous}"))
-        } else if before(2) == Some(value) {
-            Some("a third point at the same value: two make a jump".to_owned())
-        } else {
-            point.problem()
-        };
-        if let Some(problem) = problem {
-            return Err(OpticsError::Point { list: P::LIST, index, value, problem });
-        }
+    (1..=points.len()).try_for_each(|count| check_last(&points[..count]))
+}
+
+/// Checks the last point of a list against those before it.
+fn check_last<P: ControlPoint>(points: &[P]) -> Result<(), OpticsError> {
+    let index = points.len() - 1;
+    let (point, value) = (&points[index], points[index].value());
+    let before = |back: usize| index.checked_sub(back).map(|earlier| points[earlier].value());
+    let problem = if value.is_nan() || value.abs() > f32::MAX as f64 {
+        Some("the value must be finite and fit a 32-bit float".to_owned())
+    } else if let Some(previous) = before(1).filter(|&previous| previous > value) {
+        Some(format!("points must ascend, the one before is at {previous}"))
+    } else if before(2) == Some(value) {
+        Some("a third point at the same value: two make a jump".to_owned())
+    } else {
+        point.problem()
+    };
+    problem.map_or(Ok(()), |problem| Err(OpticsError::Point { list: P::LIST, index, value, problem }))
+}
+
+/// Reads a list of points and checks each as it comes, so that an error is that of the point.
+pub(crate) fn read_points<'de, P, D>(deserializer: D) -> Result<Vec<P>, D::Error>
+where
+    P: ControlPoint + Deserialize<'de>,
+    D: Deserializer<'de>,
+{
+    deserializer.deserialize_seq(Points(Vec::new()))
+}
+
+struct Points<P>(Vec<P>);
+
+impl<'de, P: ControlPoint + Deserialize<'de>> Visitor<'de> for Points<P> {
+    type Value = Vec<P>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a list of points")
     }
-    Ok(())
+
+    fn visit_seq<A: SeqAccess<'de>>(mut self, mut seq: A) -> Result<Vec<P>, A::Error> {
+        while seq.next_element_seed(&mut self)?.is_some() {}
+        check(&self.0).map_err(A::Error::custom)?;
+        Ok(self.0)
+    }
+}
+
+/// Reads the next point.
+impl<'de, P: ControlPoint + Deserialize<'de>> DeserializeSeed<'de> for &mut Points<P> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        self.0.push(P::deserialize(deserializer)?);
+        check_last(&self.0).map_err(D::Error::custom)
+    }
 }
 
 /// The two points that make the curve at `value` and how far it is from the first to the second.

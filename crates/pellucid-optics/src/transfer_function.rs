@@ -1,9 +1,10 @@
 //! The transfer function: data values to colour and opacity (4.1-1).
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::control_point::{check, jumps, locate};
+use crate::control_point::{check, jumps, locate, read_points};
 use crate::error::checked;
 use crate::{Color, ColorPoint, ColorSpace, OpacityPoint, OpticsError};
 
@@ -27,18 +28,32 @@ pub struct TransferFunction {
 #[schemars(rename = "TransferFunction")]
 struct Document {
     /// Colours at ascending data values; at least one. Two at one value are a jump.
+    #[serde(deserialize_with = "read_points")]
     #[schemars(length(min = 1))]
     colors: Vec<ColorPoint>,
     /// Opacities at ascending data values; at least one. Two at one value are a jump.
+    #[serde(deserialize_with = "read_points")]
     #[schemars(length(min = 1))]
     opacities: Vec<OpacityPoint>,
-    /// The space the colours are given and interpolated in.
+    /// The space the colours are given and interpolated in. Default srgb.
     #[serde(default)]
     color_space: ColorSpace,
     /// World units of material that have the given opacities; by default the mean voxel spacing.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "read_unit_distance")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     unit_distance: Option<f64>,
+}
+
+/// Checks the length where it is read, so that an error is that of its key.
+fn read_unit_distance<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    let found = Option::deserialize(deserializer)?;
+    check_unit_distance(found).map_err(D::Error::custom)?;
+    Ok(found)
+}
+
+fn check_unit_distance(found: Option<f64>) -> Result<(), OpticsError> {
+    let expected = "a positive length in world units";
+    found.map_or(Ok(()), |found| checked("unit_distance", found, f64::MIN_POSITIVE..=f64::MAX, expected))
 }
 
 impl TryFrom<Document> for TransferFunction {
@@ -82,9 +97,7 @@ impl TransferFunction {
     /// # Errors
     /// [`OpticsError::Parameter`] unless the length is positive and finite.
     pub fn with_unit_distance(mut self, unit_distance: Option<f64>) -> Result<Self, OpticsError> {
-        if let Some(found) = unit_distance {
-            checked("unit_distance", found, f64::MIN_POSITIVE..=f64::MAX, "a positive length in world units")?;
-        }
+        check_unit_distance(unit_distance)?;
         self.unit_distance = unit_distance;
         Ok(self)
     }

@@ -26,10 +26,10 @@ pub fn look(entry: &VolumeEntry, volume: &Volume, mode: &Mode, choices: &mut Vec
         choices.push(Choice { setting: "preset", chosen: format!("{name} ({reason})") });
         preset = Some(Preset::by_name(name)?);
     }
+    // A transfer function in full leaves only a relative preset's gradient weight to be spread.
     let needs_window = match (&entry.transfer_function, preset) {
-        (Some(_), _) => false,
-        (None, Some(preset)) => shaped || preset.scale == Scale::Relative,
-        (None, None) => true,
+        (own, Some(preset)) => preset.scale == Scale::Relative || (own.is_none() && shaped),
+        (own, None) => own.is_none(),
     };
     let window = match entry.window {
         Some(window) => window,
@@ -138,7 +138,7 @@ fn preset_for(volume: &Volume) -> (&'static str, String) {
 fn window_of(volume: &Volume, component: usize) -> ([f64; 2], &'static str) {
     let range = volume.statistics();
     let whole = [range.min, range.max];
-    let histogram = Histogram::new(volume, component, 1024).ok();
+    let histogram = Histogram::new(volume, component, 1024).ok().filter(|_| range.max > range.min);
     let found = histogram.and_then(|histogram| {
         let middle = (range.min + range.max) / 2.0;
         let low = histogram.mode().filter(|mode| *mode < middle).map_or(range.min, |mode| mode.max(range.min));
@@ -148,7 +148,11 @@ fn window_of(volume: &Volume, component: usize) -> ([f64; 2], &'static str) {
     match found {
         Some(window) => (window, "from the background to the 99.9th percentile of the histogram"),
         None if range.max > range.min => (whole, "the range of the data"),
-        None => ([range.min - 0.5, range.min + 0.5], "around the only value there is"),
+        None => {
+            // Wide enough to differ in 32 bits.
+            let half = (range.min.abs() * 1e-3).max(0.5);
+            ([range.min - half, range.min + half], "around the only value there is")
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::check::{Checked, direction, finite, require};
+use crate::check::{Checked, direction, finite, positive, require};
 
 /// Where the eye is and how it projects.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -72,7 +72,8 @@ pub struct Orbit {
     pub roll: f64,
     /// Distance of the eye from the target in world units; left out, the volumes are framed.
     pub distance: Option<f64>,
-    /// Magnification on top of framing, greater than 0. Default 1.
+    /// Magnification on top of framing, greater than 0: the eye of a perspective camera comes closer.
+    /// Without effect where distance or height is set. Default 1.
     pub zoom: f64,
     /// World position looked at; left out, the middle of the volumes.
     pub target: Option<[f64; 3]>,
@@ -104,20 +105,14 @@ fn up_z() -> [f64; 3] {
 impl Camera {
     pub(crate) fn check(&self, path: &str) -> Checked {
         match self.projection {
-            Projection::Perspective { vertical_fov } => require(
-                vertical_fov > 0.0 && vertical_fov < 180.0,
-                path,
-                "projection.perspective.vertical_fov",
-                vertical_fov,
-                "degrees between 0 and 180",
-            )?,
-            Projection::Orthographic { height } => require(
-                height.is_none_or(|h| h > 0.0 && h.is_finite()),
-                path,
-                "projection.orthographic.height",
-                height.unwrap_or(f64::NAN),
-                "a length greater than 0",
-            )?,
+            Projection::Perspective { vertical_fov: fov } => {
+                let key = "projection.perspective.vertical_fov";
+                require(fov > 0.0 && fov < 180.0, path, key, fov, "degrees between 0 and 180")?;
+            }
+            Projection::Orthographic { height: Some(height) } => {
+                positive(path, "projection.orthographic.height", height, "a length greater than 0")?;
+            }
+            Projection::Orthographic { height: None } => {}
         }
         match &self.view {
             View::Orbit(orbit) => orbit.check(&format!("{path}.view.orbit")),
@@ -141,8 +136,8 @@ impl Camera {
                 (target, back, up, orbit.zoom, orbit.distance)
             }
         };
-        let back = back.normalize();
-        let right = up_hint.cross(back).try_normalize().unwrap_or_else(|| back.any_orthonormal_vector());
+        let back = back.try_normalize().unwrap_or(DVec3::NEG_Y);
+        let right = right_of(back, up_hint);
         let up = back.cross(right);
         let aspect = width as f64 / height as f64;
         // Offsets of the corners from the target, as (across, upward, towards the eye); across is
@@ -180,6 +175,15 @@ impl Camera {
     }
 }
 
+/// Unit direction of picture +x for unit `back`. Looking along `up` itself, +y is up instead, as it
+/// is for an orbit at its pole, or +x.
+fn right_of(back: DVec3, up: DVec3) -> DVec3 {
+    let across = |up: DVec3| Some(up.normalize_or_zero().cross(back)).filter(|across| across.length() > 1e-6);
+    let across = [up, DVec3::Y, DVec3::X].into_iter().find_map(across).unwrap_or(DVec3::X);
+    // What is left of a short product has rounding errors along `back`.
+    across.reject_from_normalized(back).normalize()
+}
+
 /// Room left around framed volumes.
 const MARGIN: f64 = 1.04;
 
@@ -201,9 +205,9 @@ impl Orbit {
         }
         let elevation = self.elevation;
         require((-90.0..=90.0).contains(&elevation), path, "elevation", elevation, "degrees from -90 to 90")?;
-        require(self.zoom > 0.0 && self.zoom.is_finite(), path, "zoom", self.zoom, "a factor greater than 0")?;
+        positive(path, "zoom", self.zoom, "a factor greater than 0")?;
         if let Some(distance) = self.distance {
-            require(distance > 0.0 && distance.is_finite(), path, "distance", distance, "a length greater than 0")?;
+            positive(path, "distance", distance, "a length greater than 0")?;
         }
         self.target.map_or(Ok(()), |target| finite(path, "target", target))
     }

@@ -21,16 +21,25 @@ pub(crate) fn require(holds: bool, path: &str, key: &str, found: impl std::fmt::
     Err(Invalid { path: join(path, key), message: format!("found {found}, expected {allowed}") })
 }
 
+/// Coordinates of which a picture can be made: squares and products of them stay finite.
+const FARTHEST: f64 = 1e100;
+
 /// A position is finite.
 pub(crate) fn finite(path: &str, key: &str, v: [f64; 3]) -> Checked {
-    require(v.iter().all(|x| x.is_finite()), path, key, format!("{v:?}"), "three finite numbers")
+    let holds = v.iter().all(|x| x.abs() <= FARTHEST);
+    require(holds, path, key, format!("{v:?}"), "three finite numbers, none beyond 1e100")
 }
 
 /// A direction is finite and not zero.
 pub(crate) fn direction(path: &str, key: &str, v: [f64; 3]) -> Checked {
     finite(path, key, v)?;
-    let longest = v.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-    require(longest > 1e-12 && longest < 1e100, path, key, format!("{v:?}"), "a direction that is not zero")
+    let holds = v.iter().any(|x| x.abs() >= FARTHEST.recip());
+    require(holds, path, key, format!("{v:?}"), "a direction that is not zero")
+}
+
+/// A number is finite and greater than 0.
+pub(crate) fn positive(path: &str, key: &str, number: f64, allowed: &str) -> Checked {
+    require(number > 0.0 && number <= FARTHEST, path, key, number, allowed)
 }
 
 /// Path of a key inside a table.

@@ -9,6 +9,7 @@ mod auto;
 mod blue_noise;
 mod camera;
 mod check;
+mod check_optics;
 mod clip;
 mod control;
 mod document;

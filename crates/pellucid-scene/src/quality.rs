@@ -4,7 +4,8 @@ use pellucid_field::{Filter, Gradient};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::check::{Checked, require};
+use crate::check::{Checked, join, require};
+use crate::check_optics;
 
 /// Quality settings. Changing one does not alter another.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -78,9 +79,7 @@ impl Quality {
         let early = self.early_termination;
         require(early > 0.0 && early <= 1.0, path, "early_termination", early, "an opacity above 0, up to 1")?;
         require((1..=16).contains(&self.supersampling), path, "supersampling", self.supersampling, "1 to 16")?;
-        self.filter
-            .validate()
-            .and_then(|()| self.gradient.validate())
-            .or_else(|error| require(false, path, "", error, "a filter and a gradient within their documented ranges"))
+        check_optics::filter(&join(path, "filter"), &self.filter)?;
+        check_optics::gradient(&join(path, "gradient"), &self.gradient)
     }
 }

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use glam::DAffine3;
 use pellucid_field::VoxelType;
 use pellucid_optics::{GradientWeight, Lighting, Material, TransferFunction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::check::{Checked, join, require};
+use crate::check::{Checked, finite, join, positive, require};
+use crate::check_optics;
 use crate::{Camera, Clip, ImageSettings, Invalid, Quality, Technique};
 
 /// Everything that decides a picture. Whatever is left out is chosen automatically or takes its
@@ -16,7 +16,7 @@ use crate::{Camera, Clip, ImageSettings, Invalid, Quality, Technique};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scene {
-    /// Version of the document; this program reads version 1.
+    /// Version of the document; this program reads version 1. Default 1.
     pub version: u32,
     /// One line about the picture.
     pub title: String,
@@ -62,7 +62,7 @@ impl Default for Scene {
 pub struct VolumeEntry {
     /// Where the voxels come from.
     pub source: Source,
-    /// Which component of the voxels is drawn, from 0.
+    /// Which component of the voxels is drawn, numbered from 0. Default 0.
     #[serde(default)]
     pub component: usize,
     /// Distance between samples per axis, replacing the file's.
@@ -74,8 +74,8 @@ pub struct VolumeEntry {
     /// Name of a preset (`pellucid presets` lists them).
     #[serde(default)]
     pub preset: Option<String>,
-    /// Data values that presets, colour maps and opacity shapes are spread over; left out, chosen
-    /// from the histogram.
+    /// Data values that colour maps, opacity shapes and relative presets are spread over (those in
+    /// Hounsfield units keep their own); left out, chosen from the histogram.
     #[serde(default)]
     pub window: Option<[f64; 2]>,
     /// Name of a colour map, `_r` reverses it.
@@ -123,35 +123,34 @@ impl VolumeEntry {
 
     fn check(&self, path: &str) -> Checked {
         self.source.check(&join(path, "source"))?;
-        if let Some(spacing) = self.spacing {
-            positive(path, "spacing", &spacing)?;
+        require(self.component < 4, path, "component", self.component, "0 to 3")?;
+        for (axis, length) in self.spacing.iter().flatten().enumerate() {
+            positive(path, &format!("spacing[{axis}]"), *length, "a length greater than 0")?;
         }
         if let Some(Crop { from, to }) = self.crop {
+            finite(path, "crop.from", from)?;
+            finite(path, "crop.to", to)?;
             let ordered = (0..3).all(|axis| from[axis] < to[axis]);
             require(ordered, path, "crop.to", format!("{to:?}"), &format!("more than from {from:?} on every axis"))?;
         }
+        let names = [&self.preset, &self.colormap, &self.opacity].map(Option::as_deref);
+        check_optics::names(path, names[0], names[1], names[2])?;
         if let Some([low, high]) = self.window {
-            let ordered = low.is_finite() && high.is_finite() && low < high;
-            require(ordered, path, "window", format!("[{low}, {high}]"), "two values, the lower first")?;
+            // Control points at its ends are 32-bit floats in tables.
+            let ordered = low < high && low.abs().max(high.abs()) <= f64::from(f32::MAX);
+            require(ordered, path, "window", format!("[{low}, {high}]"), "two finite values, the lower first")?;
         }
         if let Some(unit) = self.unit_distance {
-            positive(path, "unit_distance", &[unit])?;
+            positive(path, "unit_distance", unit, "a length greater than 0")?;
         }
-        let optics =
-            |part: &str, error: &dyn std::fmt::Display| Invalid { path: join(path, part), message: error.to_string() };
         if let Some(material) = &self.material {
-            material.validate().map_err(|error| optics("material", &error))?;
+            check_optics::material(&join(path, "material"), material)?;
         }
         if let Some(weight) = &self.gradient_weight {
-            weight.validate().map_err(|error| optics("gradient_weight", &error))?;
+            check_optics::gradient_weight(&join(path, "gradient_weight"), weight)?;
         }
         Ok(())
     }
-}
-
-fn positive(path: &str, key: &str, lengths: &[f64]) -> Checked {
-    let holds = lengths.iter().all(|l| *l > 0.0 && l.is_finite());
-    require(holds, path, key, format!("{lengths:?}"), "lengths greater than 0")
 }
 
 /// Part of a grid, in continuous voxel indices.
@@ -215,8 +214,10 @@ pub struct SampleSource {
 impl Source {
     fn check(&self, path: &str) -> Checked {
         let dims = match self {
-            Self::Raw { dims, components, .. } => {
+            Self::Raw { dims, components, skip, .. } => {
                 require((1..=4).contains(components), path, "raw.components", components, "1 to 4")?;
+                // TOML has no larger integers, and no disk such files.
+                require(i64::try_from(*skip).is_ok(), path, "raw.skip", skip, "less than 2^63 bytes")?;
                 Some((dims, "raw.dims"))
             }
             Self::Sample(sample) => sample.dims.as_ref().map(|dims| (dims, "sample.dims")),
@@ -244,9 +245,7 @@ impl Scene {
         }
         self.camera.check("camera")?;
         for (k, light) in self.lighting.lights.iter().enumerate() {
-            light
-                .resolve(DAffine3::IDENTITY)
-                .map_err(|error| Invalid { path: format!("lighting.lights[{k}]"), message: error.to_string() })?;
+            check_optics::light(&format!("lighting.lights[{k}]"), light)?;
         }
         let ambient = self.lighting.ambient;
         require(ambient >= 0.0 && ambient.is_finite(), "lighting", "ambient", ambient, "0 or more")?;

@@ -213,14 +213,12 @@ fn save_scene(path: &Path, scene: &Scene, base: &Base) -> Result<(), Failure> {
         if let Source::File(file) | Source::Raw { path: file, .. } = &mut entry.source {
             let from = base.folder.join(&*file);
             *file = std::path::absolute(&from).map_err(Failure::reading(&from))?;
-            if file.to_str().is_none() {
-                return Err(Failure::input(format_args!("{}: a scene can only name files in UTF-8", file.display())));
-            }
         }
     }
     let format = Format::of(path).unwrap_or(Format::Toml);
+    let text = scene.to_text(format).map_err(Failure::input)?;
     let mut file = AtomicFile::create(path)?;
-    let written = std::io::Write::write_all(&mut file, scene.to_text(format).as_bytes());
+    let written = std::io::Write::write_all(&mut file, text.as_bytes());
     written.map_err(|source| IoError::Io { path: path.to_owned(), source })?;
     Ok(file.commit()?)
 }

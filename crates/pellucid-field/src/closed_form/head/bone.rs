@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::noise::fractal;
 use super::super::number::Number;
 use super::super::shape::{Path, common, ellipsoid, inside, join, length, relative, ring, rod};
-use super::{EDGE, Tissue, hu};
+use super::{BROAD_EDGE, EDGE, Tissue, hu};
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
@@ -95,7 +95,7 @@ fn paint_braincase<N: Number>(tissue: &mut Tissue<N>, cavity: N) {
     let thickness = vault * 3.6 + 3.4;
     let below = p[2] * -1.0 - 46.0;
     let shell = common(cavity - thickness, below, 4.0);
-    tissue.paint(hu::BONE, inside(shell, EDGE));
+    tissue.paint(hu::BONE, inside(shell, BROAD_EDGE));
     if vault.value() > 0.0 {
         let pores = fractal(p.map(|x| x * 0.3), 2) * 1.1;
         let diploe = (cavity - thickness * 0.5).abs() - 1.6 + pores;

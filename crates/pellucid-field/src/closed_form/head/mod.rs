@@ -44,6 +44,9 @@ mod hu {
 
 /// Width of the edge between two tissues.
 const EDGE: f64 = 1.2;
+/// Width of the edges of the large smooth surfaces, skin and skull: as wide as a scanner's blur,
+/// or voxels of a millimetre would show as rings on them.
+const BROAD_EDGE: f64 = 2.8;
 
 /// A CT angiogram of a head in Hounsfield units (-1000 to 1800), in millimetres on LPS axes: +x to
 /// its left, +y to the back, +z up. It has what makes heads hard to draw: bone sheets a voxel
@@ -119,7 +122,7 @@ impl HeadPhantom {
         tissue.paint(hu::WATER, inside(cavity, EDGE));
         brain::paint(&mut tissue, cavity);
         self.vessels.paint(&mut tissue);
-        tissue.paint(hu::AIR, inside(-skin, EDGE));
+        tissue.paint(hu::AIR, inside(-skin, BROAD_EDGE));
         face::paint_stud(&mut tissue);
         tissue.value
     }

@@ -1,0 +1,205 @@
+//! Cameras: what azimuth, elevation, roll, framing and rays mean.
+
+use glam::DVec3;
+use pellucid_scene::{Camera, LookAt, Orbit, Projection, View, Viewpoint};
+use proptest::prelude::*;
+
+const CUBE: [DVec3; 2] = [DVec3::splat(-1.0), DVec3::splat(1.0)];
+
+fn orbit(azimuth: f64, elevation: f64, roll: f64) -> Orbit {
+    Orbit { azimuth, elevation, roll, ..Orbit::default() }
+}
+
+fn camera(projection: Projection, view: View) -> Camera {
+    Camera { projection, view }
+}
+
+fn perspective(vertical_fov: f64) -> Projection {
+    Projection::Perspective { vertical_fov }
+}
+
+const PARALLEL: Projection = Projection::Orthographic { height: None };
+
+fn looking(orbit: Orbit) -> Viewpoint {
+    camera(perspective(30.0), View::Orbit(orbit)).viewpoint(100, 100, &CUBE)
+}
+
+fn close(a: DVec3, b: DVec3) -> bool {
+    (a - b).length() < 1e-9
+}
+
+/// Where a world point falls in the picture, -1 to 1 across and upward, by solving for the ray
+/// through it; infinite if behind the eye.
+fn project(view: &Viewpoint, point: DVec3) -> (f64, f64) {
+    let p = point - view.eye;
+    let (x, y, depth) = (p.dot(view.right), p.dot(view.up), p.dot(view.forward));
+    let scale = match (view.perspective, depth > 0.0) {
+        (false, _) => view.half_height,
+        (true, true) => view.half_height * depth,
+        (true, false) => return (f64::INFINITY, f64::INFINITY),
+    };
+    (x / scale / (view.width as f64 / view.height as f64), y / scale)
+}
+
+fn assert_orthonormal(view: &Viewpoint) {
+    for v in [view.right, view.up, view.forward] {
+        assert!((v.length() - 1.0).abs() < 1e-9, "{view:?}");
+    }
+    assert!(close(view.right.cross(view.up), -view.forward), "{view:?}");
+    assert!(view.eye.is_finite() && view.half_height > 0.0, "{view:?}");
+}
+
+#[test]
+fn angles_mean_what_they_say() {
+    // Azimuth 0: the eye on -y looks along +y, +z is up, +x is right.
+    let front = looking(orbit(0.0, 0.0, 0.0));
+    assert!(close(front.eye.normalize(), DVec3::NEG_Y) && close(front.forward, DVec3::Y));
+    assert!(close(front.up, DVec3::Z) && close(front.right, DVec3::X));
+    // A positive azimuth walks the eye to its own right.
+    let right = looking(orbit(90.0, 0.0, 0.0));
+    assert!(close(right.eye.normalize(), DVec3::X) && close(right.right, DVec3::Y) && close(right.up, DVec3::Z));
+    // A positive elevation raises it; at the poles up is still defined.
+    let raised = looking(orbit(0.0, 45.0, 0.0));
+    assert!(close(raised.eye.normalize(), DVec3::new(0.0, -1.0, 1.0).normalize()));
+    let top = looking(orbit(0.0, 90.0, 0.0));
+    assert!(close(top.forward, DVec3::NEG_Z) && close(top.up, DVec3::Y) && close(top.right, DVec3::X));
+    let bottom = looking(orbit(0.0, -90.0, 0.0));
+    assert!(close(bottom.forward, DVec3::Z) && close(bottom.up, DVec3::NEG_Y) && close(bottom.right, DVec3::X));
+    // A roll of 90 degrees turns the picture clockwise: what was up points right.
+    let rolled = looking(orbit(0.0, 0.0, 90.0));
+    let (x, y) = project(&rolled, DVec3::Z * 0.5);
+    assert!(x > 0.1 && y.abs() < 1e-9, "{x} {y}");
+}
+
+#[test]
+fn rays_pass_through_corners_and_centre() {
+    for (projection, perspective) in
+        [(perspective(60.0), true), (Projection::Orthographic { height: Some(4.0) }, false)]
+    {
+        let orbit = Orbit { distance: Some(10.0), ..orbit(0.0, 0.0, 0.0) };
+        let view = camera(projection, View::Orbit(orbit)).viewpoint(200, 100, &CUBE);
+        let centre = view.ray(100.0, 50.0);
+        assert!(close(centre.origin, DVec3::new(0.0, -10.0, 0.0)) && close(centre.direction, DVec3::Y));
+        assert!(close(centre.at(10.0), DVec3::ZERO));
+        // At the target the picture is 10 tan 30 high and low (or 2), and twice as wide.
+        let half = if perspective { 10.0 * 30f64.to_radians().tan() } else { 2.0 };
+        for (x, y, expected) in [
+            (0.0, 0.0, DVec3::new(-2.0 * half, 0.0, half)),
+            (200.0, 0.0, DVec3::new(2.0 * half, 0.0, half)),
+            (0.0, 100.0, DVec3::new(-2.0 * half, 0.0, -half)),
+            (200.0, 100.0, DVec3::new(2.0 * half, 0.0, -half)),
+        ] {
+            let ray = view.ray(x, y);
+            assert!((ray.direction.length() - 1.0).abs() < 1e-12);
+            let met = ray.at(-ray.origin.y / ray.direction.y);
+            assert!(close(met, expected), "{met} {expected}");
+        }
+        // Pixels are square.
+        let at = |x, y| view.ray(x, y).at(10.0 / view.ray(x, y).direction.y);
+        let (across, down) = (at(101.0, 50.0) - at(100.0, 50.0), at(100.0, 51.0) - at(100.0, 50.0));
+        assert!((across.length() - down.length()).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn towards_the_eye() {
+    let view = looking(Orbit { distance: Some(10.0), ..orbit(0.0, 0.0, 0.0) });
+    assert!(close(view.to_eye(DVec3::new(0.0, -10.0, 5.0)), DVec3::NEG_Z));
+    assert!(close(view.to_eye(view.eye), -view.forward));
+    let parallel = camera(PARALLEL, View::Orbit(orbit(0.0, 0.0, 0.0))).viewpoint(10, 10, &CUBE);
+    assert!(close(parallel.to_eye(DVec3::new(3.0, 7.0, 5.0)), DVec3::NEG_Y));
+}
+
+#[test]
+fn settings_replace_framing() {
+    let target = [3.0, 4.0, 5.0];
+    let set = looking(Orbit { distance: Some(2.0), target: Some(target), zoom: 5.0, ..Orbit::default() });
+    assert!(((set.eye - DVec3::from_array(target)).length() - 2.0).abs() < 1e-12);
+    // Twice the zoom, half the distance or half the height.
+    let zoomed =
+        |projection, zoom| camera(projection, View::Orbit(Orbit { zoom, ..Orbit::default() })).viewpoint(9, 9, &CUBE);
+    assert!(close(zoomed(perspective(30.0), 2.0).eye * 2.0, zoomed(perspective(30.0), 1.0).eye));
+    let (near, far) = (zoomed(PARALLEL, 2.0).half_height, zoomed(PARALLEL, 1.0).half_height);
+    assert!((near * 2.0 - far).abs() < 1e-12);
+    // A camera inside the volume is as good as any.
+    let inside = looking(Orbit { distance: Some(1e-3), ..Orbit::default() });
+    assert_orthonormal(&inside);
+    assert!(inside.eye.length() < 1.1e-3 && inside.ray(0.0, 0.0).direction.is_finite());
+}
+
+#[test]
+fn look_at_looks_at() {
+    let look = LookAt { position: [10.0, 0.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, 7.0] };
+    let view = camera(perspective(30.0), View::LookAt(look)).viewpoint(10, 10, &CUBE);
+    assert!(close(view.eye, DVec3::X * 10.0) && close(view.forward, DVec3::NEG_X));
+    assert!(close(view.up, DVec3::Z) && close(view.right, DVec3::Y));
+}
+
+#[test]
+fn an_up_along_the_view_still_makes_a_camera() {
+    let directions = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.3, -0.7, 0.2], [0.1, 0.1, 0.1]];
+    for up in directions {
+        for (sign, tilt) in [1.0, -1.0].into_iter().flat_map(|s| [0.0, 1e-17, 1e-12, 1e-7, 1e-5].map(|t| (s, t))) {
+            for scale in [1e-30, 1.0, 1e30] {
+                let position = std::array::from_fn(|axis| sign * up[axis] * 3.0 + if axis == 1 { tilt } else { 0.0 });
+                let look = LookAt { position, target: [0.0; 3], up: up.map(|v| v * scale) };
+                for projection in [perspective(30.0), PARALLEL] {
+                    let view = camera(projection, View::LookAt(look)).viewpoint(10, 10, &CUBE);
+                    assert_orthonormal(&view);
+                    // Not rounding noise: +y is up instead, unless that is the view as well.
+                    let across = DVec3::Y.cross(-view.forward);
+                    if tilt < 1e-6 && across.length() > 1e-3 {
+                        assert!((view.right - across.normalize()).length() < 1e-9, "{look:?} {view:?}");
+                    }
+                }
+            }
+        }
+    }
+    // Looking straight down is the view of an orbit at its pole.
+    let look = LookAt { position: [0.0, 0.0, 5.0], target: [0.0; 3], up: [0.0, 0.0, 1.0] };
+    let down = camera(perspective(30.0), View::LookAt(look)).viewpoint(10, 10, &CUBE);
+    assert!(close(down.up, DVec3::Y) && close(down.right, DVec3::X));
+}
+
+#[test]
+fn nothing_to_frame_is_no_trouble() {
+    for corners in [&[][..], &[DVec3::ONE; 3]] {
+        for projection in [perspective(30.0), PARALLEL] {
+            let view = camera(projection, View::default()).viewpoint(10, 10, corners);
+            assert_orthonormal(&view);
+            assert!(view.ray(3.0, 4.0).direction.is_finite());
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn framing_fills_the_picture_and_loses_nothing(
+        low in [-1e3f64..1e3, -1e3f64..1e3, -1e3f64..1e3],
+        size in [0.1f64..300.0, 0.1f64..300.0, 0.1f64..300.0],
+        angles in [-720.0f64..720.0, -90.0f64..90.0, -720.0f64..720.0],
+        width in 1usize..2000,
+        height in 1usize..2000,
+        fov in proptest::option::of(1.0f64..170.0),
+    ) {
+        let corners: Vec<DVec3> = (0..8)
+            .map(|k| DVec3::from_array(std::array::from_fn(|axis| low[axis] + if k >> axis & 1 == 1 { size[axis] } else { 0.0 })))
+            .collect();
+        let projection = fov.map_or(PARALLEL, perspective);
+        let view = camera(projection, View::Orbit(orbit(angles[0], angles[1], angles[2]))).viewpoint(width, height, &corners);
+        assert_orthonormal(&view);
+        let mut reach = 0.0f64;
+        for corner in &corners {
+            let (x, y) = project(&view, *corner);
+            prop_assert!(x.abs() < 1.0 && y.abs() < 1.0, "{x} {y}");
+            reach = reach.max(x.abs()).max(y.abs());
+            // The ray through that place of the picture passes through the corner.
+            let ray = view.ray((x + 1.0) / 2.0 * width as f64, (1.0 - y) / 2.0 * height as f64);
+            let away = (*corner - ray.origin).reject_from_normalized(ray.direction).length();
+            prop_assert!(away < 1e-7 * (1.0 + (*corner - ray.origin).length()), "{away}");
+            // All of it is in front of the eye.
+            prop_assert!((*corner - view.eye).dot(view.forward) > 0.0);
+        }
+        prop_assert!(reach > 0.95, "{reach}");
+    }
+}

@@ -1,0 +1,88 @@
+//! From linear associated radiance to picture numbers.
+
+use pellucid_optics::Color;
+use pellucid_scene::{Background, Encoding, Frame, ImageSettings, RenderWarning};
+
+fn frame(pixels: &[[f32; 4]]) -> Frame {
+    Frame { color: pixels.to_vec(), ..Frame::new(1, pixels.len()) }
+}
+
+fn settings(background: Background) -> ImageSettings {
+    ImageSettings { background, ..ImageSettings::default() }
+}
+
+#[test]
+fn a_new_frame_is_empty() {
+    let frame = Frame::new(3, 2);
+    assert_eq!((frame.color.len(), frame.depth.len(), frame.normal.len(), frame.samples.len()), (6, 6, 6, 6));
+    assert!(frame.color.iter().all(|c| *c == [0.0; 4]) && frame.depth.iter().all(|d| *d == f32::INFINITY));
+    let warning = RenderWarning::Empty { reason: "all is clipped".to_owned() };
+    assert_eq!(warning.to_string(), "the picture is empty: all is clipped");
+}
+
+/// IEC 61966-2-1 code values of linear 0, 0.0031308, 0.01, 0.18, 0.5 and 1, computed elsewhere.
+#[test]
+fn srgb_code_values_are_those_of_the_standard() {
+    let linear = [0.0f32, 0.003_130_8, 0.01, 0.18, 0.5, 1.0];
+    let frame = frame(&linear.map(|v| [v, v, v, 1.0]));
+    let gray = |image: &ImageSettings| frame.to_rgba8(image).chunks(4).map(|p| p[1]).collect::<Vec<_>>();
+    let srgb = ImageSettings::default();
+    assert_eq!(gray(&srgb), [0, 10, 25, 118, 188, 255]);
+    assert_eq!(gray(&ImageSettings { encoding: Encoding::Linear, ..srgb.clone() }), [0, 1, 3, 46, 128, 255]);
+    let deep: Vec<u16> = frame.to_rgba16(&srgb).chunks(4).map(|p| p[0]).collect();
+    for (found, expected) in deep.iter().zip([0.0f64, 0.040_449_9, 0.099_853, 0.461_356, 0.735_357, 1.0]) {
+        assert!((f64::from(*found) - expected * 65535.0).abs() < 1.0, "{found} {expected}");
+    }
+    assert!(frame.to_rgba8(&srgb).chunks(4).all(|p| p[3] == 255));
+}
+
+#[test]
+fn transparent_pictures_have_straight_alpha() {
+    let image = ImageSettings { encoding: Encoding::Linear, ..settings(Background::Transparent) };
+    let frame = frame(&[[0.25, 0.0, 0.125, 0.25], [0.0; 4], [0.2, 0.4, 0.6, 1.0]]);
+    assert_eq!(frame.composited(0, &image), [1.0, 0.0, 0.5, 0.25]);
+    assert_eq!(frame.composited(1, &image), [0.0; 4]);
+    assert_eq!(frame.composited(2, &image), [0.2, 0.4, 0.6, 1.0]);
+    assert_eq!(frame.to_rgba8(&image)[..8], [255, 0, 128, 64, 0, 0, 0, 0]);
+}
+
+#[test]
+fn what_lies_behind_shines_through() {
+    let behind = settings(Background::Color(Color::new([1.0, 0.5, 0.0]).unwrap()));
+    // sRGB 0.5 is linear 0.21404.
+    let [r, g, b, a] = frame(&[[0.25, 0.25, 0.25, 0.5]]).composited(0, &behind);
+    assert!((r - 0.75).abs() < 1e-6 && (g - (0.25 + 0.5 * 0.214_041)).abs() < 1e-6 && b == 0.25 && a == 1.0);
+    // Untouched, the background comes out as it was written.
+    assert_eq!(frame(&[[0.0; 4]]).to_rgba8(&behind), [255, 128, 0, 255]);
+}
+
+#[test]
+fn a_gradient_runs_from_top_to_bottom_in_linear_light() {
+    let image = settings(Background::Gradient { top: Color::WHITE, bottom: Color::BLACK });
+    let frame = Frame::new(3, 4);
+    for (row, expected) in [0.875, 0.625, 0.375, 0.125].into_iter().enumerate() {
+        for column in 0..3 {
+            assert_eq!(frame.composited(row * 3 + column, &image), [expected, expected, expected, 1.0]);
+        }
+    }
+}
+
+#[test]
+fn exposure_scales_light_and_not_alpha() {
+    for background in [Background::Transparent, Background::default()] {
+        let plain = settings(background);
+        let bright = ImageSettings { exposure: 4.0, ..plain.clone() };
+        let frame = frame(&[[0.1, 0.05, 0.0, 0.5]]);
+        let (a, b) = (frame.composited(0, &plain), frame.composited(0, &bright));
+        assert_eq!(b, [a[0] * 4.0, a[1] * 4.0, a[2] * 4.0, a[3]]);
+    }
+}
+
+#[test]
+fn numbers_out_of_range_are_clamped() {
+    let linear = ImageSettings { encoding: Encoding::Linear, ..ImageSettings::default() };
+    for image in [linear, ImageSettings::default()] {
+        let frame = frame(&[[7.0, -1.0, f32::NAN, 1.0], [f32::INFINITY, 0.0, 0.0, 1.0]]);
+        assert_eq!(frame.to_rgba8(&image), [255, 0, 0, 255, 255, 0, 0, 255]);
+    }
+}

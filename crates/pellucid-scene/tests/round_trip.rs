@@ -1,0 +1,301 @@
+//! Scenes survive both text formats exactly.
+
+use pellucid_field::{Filter, Gradient, SincWindow, VoxelType};
+use pellucid_optics::Frame;
+use pellucid_optics::*;
+use pellucid_scene::*;
+use proptest::collection::vec;
+use proptest::option::of;
+use proptest::prelude::*;
+use proptest::sample::select;
+
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![-1e3..1e3, -1e-6..1e-6, -1e18..1e18, Just(0.0), Just(1.0), Just(-1e-300)]
+}
+
+fn position() -> impl Strategy<Value = [f64; 3]> {
+    [number(), number(), number()]
+}
+
+fn heading() -> impl Strategy<Value = [f64; 3]> {
+    (position(), 0usize..3).prop_map(|(mut v, axis)| {
+        v[axis] += if v[axis] < 0.0 { -1.0 } else { 1.0 };
+        v
+    })
+}
+
+fn length() -> impl Strategy<Value = f64> {
+    prop_oneof![1e-9..1e-3, 1e-3..1e6]
+}
+
+fn text() -> impl Strategy<Value = String> {
+    let pieces =
+        select(vec!["a", "\"", "\\", "\n", "'''", "\r", "\t", "\u{0}", "é𝄞", "#", "[", "{}", " ", "\u{7f}", "="]);
+    vec(pieces, 0..8).prop_map(|pieces| pieces.concat())
+}
+
+fn color() -> impl Strategy<Value = Color> {
+    prop_oneof![
+        any::<u32>().prop_map(Color::hex),
+        [0.0f32..=1.0, 0.0f32..=1.0, 0.0f32..=1.0].prop_map(|c| Color::new(c).unwrap())
+    ]
+}
+
+fn interpolation() -> impl Strategy<Value = Interpolation> {
+    select(vec![Interpolation::Linear, Interpolation::Step, Interpolation::Smooth])
+}
+
+fn transfer_function() -> impl Strategy<Value = TransferFunction> {
+    let ascending = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        values
+    };
+    let colors =
+        (vec(-1e4..1e4, 1..6).prop_map(ascending), vec((color(), interpolation()), 6)).prop_map(|(values, rest)| {
+            let point = |(value, (color, interpolation))| ColorPoint { value, color, interpolation };
+            values.into_iter().zip(rest).map(point).collect::<Vec<_>>()
+        });
+    let opacities = (vec(-1e4..1e4, 1..6).prop_map(ascending), vec((0.0f32..=1.0, interpolation()), 6)).prop_map(
+        |(values, rest)| {
+            let point = |(value, (opacity, interpolation))| OpacityPoint { value, opacity, interpolation };
+            values.into_iter().zip(rest).map(point).collect::<Vec<_>>()
+        },
+    );
+    (colors, opacities, select(vec![ColorSpace::Srgb, ColorSpace::Linear]), of(length())).prop_map(
+        |(colors, opacities, space, unit)| {
+            TransferFunction::new(colors, opacities).unwrap().with_color_space(space).with_unit_distance(unit).unwrap()
+        },
+    )
+}
+
+fn source() -> impl Strategy<Value = Source> {
+    let dims = [1usize..=65_536, 1usize..=9, 1usize..=9];
+    let voxel_type = select(VoxelType::ALL.to_vec());
+    prop_oneof![
+        Just(Source::Memory),
+        text().prop_map(|path| Source::File(path.into())),
+        (text(), dims.clone(), voxel_type.clone(), 1usize..=4, 0..=i64::MAX as u64, any::<bool>()).prop_map(
+            |(path, dims, voxel_type, components, skip, big_endian)| Source::Raw {
+                path: path.into(),
+                dims,
+                voxel_type,
+                components,
+                skip,
+                big_endian
+            }
+        ),
+        (text(), of(dims), of(voxel_type)).prop_map(|(name, dims, voxel_type)| Source::Sample(SampleSource {
+            name,
+            dims,
+            voxel_type
+        })),
+    ]
+}
+
+fn material() -> impl Strategy<Value = Material> {
+    (0.0f32..9.0, 0.0f32..=1.0, 0.0f32..=1.0, 0.0f32..=1.0, 1.0f32..=1000.0, any::<bool>()).prop_map(
+        |(emission, ambient, diffuse, specular, shininess, two_sided)| Material {
+            emission,
+            ambient,
+            diffuse,
+            specular,
+            shininess,
+            two_sided,
+        },
+    )
+}
+
+fn volume() -> impl Strategy<Value = VolumeEntry> {
+    let interval = || {
+        (number(), length())
+            .prop_map(|(low, more)| [low, low + more + low.abs()])
+            .prop_filter("ascends", |w| w[0] < w[1])
+    };
+    let crop = [interval(), interval(), interval()]
+        .prop_map(|c| Crop { from: c.map(|[low, _]| low), to: c.map(|[_, high]| high) });
+    let names = (
+        of(select(Preset::all().iter().map(|preset| preset.name.clone()).collect::<Vec<_>>())),
+        of(select(ColorMap::names().map(|name| format!("{name}_r")).collect::<Vec<_>>())),
+        of(select(opacity_shape_names().collect::<Vec<_>>())),
+    );
+    let weight = (0.0f32..10.0, 0.5f32..10.0).prop_map(|(low, more)| GradientWeight { low, high: low + more });
+    let optics = (of(length()), of(transfer_function()), of(any::<bool>()), of(material()), of(weight));
+    (source(), 0usize..4, of([length(), length(), length()]), of(crop), names, of(interval()), optics).prop_map(
+        |(source, component, spacing, crop, (preset, colormap, opacity), window, optics)| {
+            let (unit_distance, transfer_function, shading, material, gradient_weight) = optics;
+            VolumeEntry {
+                source,
+                component,
+                spacing,
+                crop,
+                preset,
+                window,
+                colormap,
+                opacity,
+                unit_distance,
+                transfer_function,
+                shading,
+                material,
+                gradient_weight,
+            }
+        },
+    )
+}
+
+fn camera() -> impl Strategy<Value = Camera> {
+    let projection = prop_oneof![
+        (0.1f64..179.0).prop_map(|vertical_fov| Projection::Perspective { vertical_fov }),
+        of(length()).prop_map(|height| Projection::Orthographic { height }),
+    ];
+    let orbit = (number(), -90.0..=90.0, number(), of(length()), length(), of(position())).prop_map(
+        |(azimuth, elevation, roll, distance, zoom, target)| {
+            View::Orbit(Orbit { azimuth, elevation, roll, distance, zoom, target })
+        },
+    );
+    let look_at = (position(), heading(), heading()).prop_map(|(position, away, up)| {
+        let target = std::array::from_fn(|axis| position[axis] * 2.0 + away[axis]);
+        View::LookAt(LookAt { position, target, up })
+    });
+    let look_at =
+        look_at.prop_filter("eye and target apart", |view| matches!(view, View::LookAt(l) if l.position != l.target));
+    (projection, prop_oneof![orbit, look_at]).prop_map(|(projection, view)| Camera { projection, view })
+}
+
+fn lighting() -> impl Strategy<Value = Lighting> {
+    let falloff = prop_oneof![Just(Falloff::None), length().prop_map(|reference| Falloff::InverseSquare { reference })];
+    let kind = prop_oneof![
+        heading().prop_map(|direction| LightKind::Directional { direction }),
+        (position(), falloff.clone()).prop_map(|(position, falloff)| LightKind::Point { position, falloff }),
+        (position(), heading(), 0.0f64..90.0, 90.0f64..180.0, falloff).prop_map(
+            |(position, direction, inner_angle, outer_angle, falloff)| {
+                LightKind::Spot { position, direction, inner_angle, outer_angle, falloff }
+            }
+        ),
+    ];
+    let light = (kind, color(), 0.0f32..100.0, select(vec![Frame::World, Frame::Camera]), any::<bool>())
+        .prop_map(|(kind, color, intensity, frame, specular)| Light { kind, color, intensity, frame, specular });
+    (vec(light, 0..4), 0.0f32..3.0).prop_map(|(lights, ambient)| Lighting { lights, ambient })
+}
+
+fn technique() -> impl Strategy<Value = Technique> {
+    let isovalue =
+        (number(), of(color()), 0.0f32..=1.0).prop_map(|(value, color, opacity)| Isovalue { value, color, opacity });
+    let combine = select(vec![Combine::Maximum, Combine::Minimum, Combine::Average]);
+    let slice = (of(position()), of(heading()), 0.0..1e9, combine)
+        .prop_map(|(point, normal, thickness, combine)| Slice { point, normal, thickness, combine });
+    let plain = vec![Mode::Composite, Mode::Maximum, Mode::Minimum, Mode::Average, Mode::Additive, Mode::XRay];
+    let mode = prop_oneof![
+        select(plain),
+        vec(isovalue, 1..4).prop_map(|isovalues| Mode::Isosurface(Isosurface { isovalues })),
+        slice.prop_map(Mode::Slice),
+    ];
+    mode.prop_map(|mode| Technique::RayCast(RayCast { mode }))
+}
+
+fn quality() -> impl Strategy<Value = Quality> {
+    use SincWindow::*;
+    let filter = prop_oneof![
+        select(vec![Filter::Nearest, Filter::Linear]),
+        any::<bool>().prop_map(|prefilter| Filter::BSpline { prefilter }),
+        (-2.0..2.0, -2.0..2.0).prop_map(|(b, c)| Filter::Bc { b, c }),
+        (select(vec![Lanczos, Hann, Blackman, Kaiser]), 2u8..=8)
+            .prop_map(|(window, half_width)| Filter::Sinc { window, half_width }),
+    ];
+    let gradient = prop_oneof![
+        select(vec![Gradient::Forward, Gradient::Sobel, Gradient::SobelIsotropic, Gradient::BSpline]),
+        (0.25..=3.0).prop_map(|sigma| Gradient::Gaussian { sigma }),
+    ];
+    let classification = select(vec![Classification::Post, Classification::Pre, Classification::PreIntegrated]);
+    let jitter = prop_oneof![Just(Jitter::Centered), any::<u32>().prop_map(|seed| Jitter::BlueNoise { seed })];
+    (0.01..=100.0, filter, gradient, classification, jitter, 1e-3f32..=1.0, any::<bool>(), 1u32..=16).prop_map(
+        |(step, filter, gradient, classification, jitter, early_termination, empty_space_skipping, supersampling)| {
+            Quality {
+                step,
+                filter,
+                gradient,
+                classification,
+                jitter,
+                early_termination,
+                empty_space_skipping,
+                supersampling,
+            }
+        },
+    )
+}
+
+fn image() -> impl Strategy<Value = ImageSettings> {
+    let background = prop_oneof![
+        Just(Background::Transparent),
+        color().prop_map(Background::Color),
+        (color(), color()).prop_map(|(top, bottom)| Background::Gradient { top, bottom }),
+    ];
+    let encoding = select(vec![Encoding::Srgb, Encoding::Linear]);
+    (1u32..=32768, 1u32..=32768, background, encoding, 1e-3f32..1e3).prop_map(
+        |(width, height, background, encoding, exposure)| ImageSettings {
+            width,
+            height,
+            background,
+            encoding,
+            exposure,
+        },
+    )
+}
+
+fn scene() -> impl Strategy<Value = Scene> {
+    let plane = (position(), heading()).prop_map(|(point, normal)| Clip::Plane { point, normal });
+    let cube = (position(), [length(), length(), length()]).prop_map(|(min, size)| Clip::Box {
+        min,
+        max: std::array::from_fn(|axis| min[axis] + size[axis] + min[axis].abs()),
+    });
+    let cube = cube.prop_filter(
+        "ascends",
+        |cube| matches!(cube, Clip::Box { min, max } if (0..3).all(|axis| min[axis] < max[axis])),
+    );
+    let clips = vec(prop_oneof![plane, cube], 0..4);
+    (text(), vec(volume(), 0..3), camera(), lighting(), clips, technique(), quality(), image()).prop_map(
+        |(title, volumes, camera, lighting, clips, technique, quality, image)| Scene {
+            version: 1,
+            title,
+            volumes,
+            camera,
+            lighting,
+            clips,
+            technique,
+            quality,
+            image,
+        },
+    )
+}
+
+fn survives(scene: &Scene) {
+    for format in [Format::Toml, Format::Json] {
+        let text = scene.to_text(format).unwrap();
+        let back = Scene::parse(&text, format).unwrap_or_else(|error| panic!("{error} in\n{text}"));
+        assert_eq!(&back, scene, "{format:?}\n{text}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn any_scene_survives(scene in scene()) {
+        survives(&scene);
+    }
+}
+
+#[test]
+fn the_default_survives_and_is_what_an_empty_document_means() {
+    survives(&Scene::default());
+    assert_eq!(Scene::parse("", Format::Toml).unwrap(), Scene::default());
+    assert_eq!(Scene::parse("{}", Format::Json).unwrap(), Scene::default());
+    let short = "[[volumes]]\nsource.file = 'a.nrrd'\n";
+    assert_eq!(Scene::parse(short, Format::Toml).unwrap(), Scene::of(Source::File("a.nrrd".into())));
+}
+
+#[test]
+fn formats_are_told_by_extension() {
+    let format = |name: &str| Format::of(std::path::Path::new(name));
+    assert_eq!(format("a/b.toml"), Some(Format::Toml));
+    assert_eq!(format("b.JSON"), Some(Format::Json));
+    assert_eq!((format("toml"), format("a.txt")), (None, None));
+}
