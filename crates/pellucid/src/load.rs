@@ -82,13 +82,6 @@ pub fn load(scene: &Scene, base: impl AsRef<Path>) -> Result<(Vec<Arc<Volume>>, 
 fn read(path: &Path, options: &ReadOptions, warnings: &mut Vec<Warning>) -> Result<Volume, LoadError> {
     let loaded = pellucid_io::read(path, options)?;
     warnings.extend(loaded.warnings);
-    // Integers are always finite: there is nothing to count.
-    if !loaded.volume.voxels().voxel_type().is_integer() {
-        let counts = loaded.volume.statistics();
-        if counts.nan + counts.infinite > 0 {
-            warnings.push(Warning::NotFinite { nan: counts.nan, infinite: counts.infinite });
-        }
-    }
     Ok(loaded.volume)
 }
 

@@ -94,3 +94,59 @@ pub fn save_exr(path: impl AsRef<Path>, frame: &Frame, image: &ImageSettings) ->
     ];
     write_exr(path, frame.width as u32, frame.height as u32, &channels)
 }
+
+#[cfg(test)]
+mod tests {
+    use exr::prelude::read_first_flat_layer_from_file;
+    use pellucid_optics::Color;
+
+    use super::*;
+
+    #[test]
+    fn exr_layers_hold_the_frame_in_linear_premultiplied_light() {
+        let mut frame = Frame::new(2, 1);
+        frame.color[0] = [0.2, 0.1, 0.05, 0.5];
+        frame.depth[0] = 7.0;
+        frame.normal[0] = [0.0, -1.0, 0.0];
+        frame.samples[0] = 3;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.EXR");
+        let read = |background| {
+            save(&path, &frame, &ImageSettings { background, exposure: 2.0, ..Default::default() }).unwrap();
+            let layers = read_first_flat_layer_from_file(&path).unwrap().layer_data.channel_data.list;
+            move |name: &str| {
+                let layer = layers.iter().find(|layer| layer.name == *name).unwrap();
+                layer.sample_data.values_as_f32().collect::<Vec<f32>>()
+            }
+        };
+        let transparent = read(Background::Transparent);
+        // Twice the radiance; coverage is no light.
+        for (name, expected) in [
+            ("R", [0.4, 0.0]),
+            ("G", [0.2, 0.0]),
+            ("B", [0.1, 0.0]),
+            ("A", [0.5, 0.0]),
+            ("Z", [7.0, f32::INFINITY]),
+            ("N.X", [0.0, 0.0]),
+            ("N.Y", [-1.0, 0.0]),
+            ("N.Z", [0.0, 0.0]),
+            ("samples", [3.0, 0.0]),
+        ] {
+            for (found, expected) in transparent(name).into_iter().zip(expected) {
+                assert!(found == expected || (found - expected).abs() < 1e-6, "{name}: {found}, expected {expected}");
+            }
+        }
+        // (0.2 + (1 - 0.5) * 1) * 2 over white, and white itself.
+        let white = read(Background::Color(Color::WHITE));
+        assert_eq!((white("R"), white("A")), (vec![1.4, 2.0], vec![1.0, 1.0]));
+    }
+
+    #[test]
+    fn other_extensions_are_refused() {
+        let frame = Frame::new(1, 1);
+        for name in ["a.jpg", "png", "a."] {
+            let error = save(name, &frame, &ImageSettings::default()).unwrap_err();
+            assert!(matches!(error, SaveError::Extension { .. }), "{error}");
+        }
+    }
+}

@@ -171,6 +171,25 @@ fn later_layers_win() {
 }
 
 #[test]
+fn one_number_of_a_material_leaves_the_rest_to_the_preset() {
+    let folder = tempdir().unwrap();
+    let material = |args: &[&str]| {
+        let scene = scene_in(folder.path(), &[&["sample:head@8x8x8", "--ambient", "0.5"], args].concat());
+        let material: pellucid::optics::Material =
+            serde_json::from_value(scene["volumes"][0]["material"].clone()).unwrap();
+        assert_eq!(material.ambient, 0.5);
+        material
+    };
+    // Chosen by itself for values in HU, and by name.
+    for (args, preset) in [(&[][..], "ct-bone"), (&["--preset", "ct-skin"], "ct-skin")] {
+        let expected = pellucid::optics::Preset::by_name(preset).unwrap().material;
+        assert_ne!(expected, pellucid::optics::Material::default());
+        assert_eq!(material(args), pellucid::optics::Material { ambient: 0.5, ..expected });
+    }
+    assert_eq!(material(&["--set", "volumes[0].material.diffuse=0.25"]).diffuse, 0.25);
+}
+
+#[test]
 fn settings_switch_between_variants_and_extend_lists() {
     let folder = tempdir().unwrap();
     let scene = |args: &[&str]| scene_in(folder.path(), &[&[SAMPLE], args].concat());
