@@ -1,10 +1,9 @@
 //! The CPU backend.
 //!
-//! A frame is drawn by rays in tiles over all cores. Every mode stands on the same parts: the
-//! part of a ray that meets the field ([`span`](span)), the sample lattice along it
-//! ([`lattice`](lattice)), the question "what is the field here?" ([`probe`](probe)), blocks that
-//! cannot contribute ([`skip`](skip)) and local light ([`surface`](surface)). A mode is what it
-//! does with the samples.
+//! A frame is drawn by rays in tiles over all cores. Every mode stands on the same parts: the part
+//! of a ray that meets the field (`span`), the sample lattice along it (`lattice`), the question
+//! "what is the field here?" (`probe`), blocks that cannot contribute (`skip`) and local light
+//! (`surface`). A mode is what it does with the samples.
 
 mod composite;
 mod error;

@@ -22,16 +22,24 @@ pub struct CpuRenderer {
 }
 
 impl CpuRenderer {
+    /// The most threads of a renderer of its own. Systems hang rather than refuse far beyond.
+    pub const MOST_THREADS: usize = 1024;
+
     /// A renderer on all cores.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// A renderer on its own `threads` threads. The picture does not depend on their number.
+    /// A renderer on its own threads, 1 to [`CpuRenderer::MOST_THREADS`]. The picture does not
+    /// depend on their number.
     ///
     /// # Errors
-    /// [`RenderError::Threads`] if the system refuses them.
+    /// [`RenderError::Threads`] if there are too many or the system refuses them.
     pub fn with_threads(threads: usize) -> Result<Self, RenderError> {
+        if !(1..=Self::MOST_THREADS).contains(&threads) {
+            let reason = format!("1 to {} are possible", Self::MOST_THREADS);
+            return Err(RenderError::Threads { threads, reason });
+        }
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()

@@ -5,6 +5,7 @@ mod common;
 use common::{render, set_mode, stage, transfer_function, unit_volume};
 use glam::DVec3;
 use pellucid_field::{Grid, Volume, Voxels};
+use pellucid_optics::{Falloff, Light, LightKind};
 use pellucid_scene::{
     Classification, Control, Frame, Isosurface, Isovalue, LookAt, Mode, Projection, RenderWarning, Scene, Slice, View,
 };
@@ -48,6 +49,9 @@ fn a_hole_beside_a_light_leaves_no_trace_of_nan() {
             let frame = render(&stage(volume.clone(), opaque_above(2.0), |scene| {
                 set_mode(scene, mode.clone());
                 scene.volumes[0].shading = Some(true);
+                // A point light at the rim of the hole, and one in the middle of it.
+                let light = |position| Light::new(LightKind::Point { position, falloff: Falloff::default() });
+                scene.lighting.lights = vec![light([11.5, 1.0, 11.5]), light([11.5, 4.0, 11.5])];
                 scene.quality.classification = classification;
                 scene.image.width = 48;
                 scene.image.height = 48;

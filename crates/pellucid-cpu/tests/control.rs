@@ -85,3 +85,11 @@ fn supersampling_averages_rays() {
     assert!((covered - 0.75).abs() < 1e-6, "{covered}");
     assert_eq!(rays, 6400);
 }
+
+#[test]
+fn impossible_numbers_of_threads_are_refused() {
+    for threads in [0, CpuRenderer::MOST_THREADS + 1] {
+        let error = CpuRenderer::with_threads(threads).err().map(|error| error.to_string());
+        assert_eq!(error, Some(format!("cannot start {threads} threads: 1 to 1024 are possible")));
+    }
+}

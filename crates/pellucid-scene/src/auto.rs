@@ -129,8 +129,14 @@ fn preset_for(volume: &Volume) -> (&'static str, String) {
         let why = if hounsfield { "values are in HU" } else { "values reach from air to bone in Hounsfield units" };
         return ("ct-bone", why.to_owned());
     }
-    let kind = if volume.voxels().voxel_type().is_integer() { "micro-ct" } else { "simulation" };
-    (kind, format!("{} values from {:.5} to {:.5}", volume.voxels().voxel_type(), range.min, range.max))
+    let voxel_type = volume.voxels().voxel_type();
+    let name = match voxel_type.is_integer() {
+        true => "micro-ct",
+        // Deviations to both sides of zero, or amounts of something.
+        false if range.min < 0.0 && range.max > 0.0 => "simulation",
+        false => "density",
+    };
+    (name, format!("{voxel_type} values from {:.5} to {:.5}", range.min, range.max))
 }
 
 /// The values that matter: from the background, the commonest value if it is a low one, to all but
