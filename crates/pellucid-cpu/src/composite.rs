@@ -8,6 +8,7 @@ use crate::integrator::{Integrator, Tally, Traced};
 use crate::lattice::Lattice;
 use crate::medium::Classify;
 use crate::probe::Probe;
+use crate::samples::each_sample;
 use crate::segments::each_segment;
 use crate::skip::SkipGrid;
 use crate::span::Span;
@@ -79,29 +80,18 @@ impl<R: Reconstruct, C: Classify<R>> Integrator for Composite<'_, R, C> {
     fn trace(&self, span: &Span, lattice: &Lattice, tally: &mut Tally) -> Traced {
         let medium = &self.medium;
         let mut ray = Accumulator { color: [0.0; 4], half: None };
-        let mut k = 0;
-        while k < lattice.count {
-            if let Some(next) = medium.skip.as_ref().and_then(|skip| skip.leap(span, lattice, k)) {
-                tally.skipped += (next - k) as u64;
-                k = next;
-                continue;
-            }
-            let t = lattice.sample(k);
-            tally.samples += 1;
+        each_sample(medium.skip.as_ref(), span, lattice, tally, |k, t, tally| {
             let (value, mut rgba) = self.classifier.classify(&medium.probe, span.index_at(t));
-            if rgba[3] > 0.0 {
-                tally.visible += 1;
-                let ratio = lattice.ratio(k);
-                if ratio < 1.0 {
-                    rgba = correct_associated(rgba, ratio as f32);
-                }
-                if medium.add(&mut ray, t, medium.lit(span, t, value, rgba)) {
-                    tally.terminated += 1;
-                    break;
-                }
+            if rgba[3] == 0.0 {
+                return false;
             }
-            k += 1;
-        }
+            tally.visible += 1;
+            let ratio = lattice.ratio(k);
+            if ratio < 1.0 {
+                rgba = correct_associated(rgba, ratio as f32);
+            }
+            medium.add(&mut ray, t, medium.lit(span, t, value, rgba))
+        });
         medium.finish(&ray, span)
     }
 }

@@ -15,6 +15,7 @@ mod prepare;
 mod probe;
 mod projection;
 mod renderer;
+mod samples;
 mod segments;
 mod skip;
 mod slice;

@@ -6,6 +6,7 @@ use pellucid_optics::{StepTable, Table, correct_opacity, extinction};
 use crate::integrator::{Integrator, Tally, Traced};
 use crate::lattice::Lattice;
 use crate::probe::Probe;
+use crate::samples::each_sample;
 use crate::skip::{BlockMap, SkipGrid};
 use crate::span::Span;
 
@@ -29,32 +30,29 @@ impl<R: Reconstruct> Integrator for Extreme<'_, R> {
         let mut depth = f64::INFINITY;
         let mut k = 0;
         while k < lattice.count {
-            if let Some(map) = &self.skip {
-                let dead = |block: usize| match map.range(block) {
-                    None => true,
-                    Some([low, high]) => {
-                        if self.minimum {
-                            best <= low as f64
-                        } else {
-                            best >= high as f64
-                        }
-                    }
-                };
-                if let Some(next) = map.leap(span, lattice, k, dead) {
-                    tally.skipped += (next - k) as u64;
-                    k = next;
-                    continue;
+            let (dead, next) = self.skip.as_ref().map_or((false, lattice.count), |map| {
+                let (block, next) = map.run(span, lattice, k);
+                let dead = map.range(block).is_none_or(|[low, high]| {
+                    if self.minimum { best <= f64::from(low) } else { best >= f64::from(high) }
+                });
+                (dead, next)
+            });
+            if dead {
+                tally.skipped += (next - k) as u64;
+                k = next;
+                continue;
+            }
+            for k in k..next {
+                let t = lattice.sample(k);
+                tally.samples += 1;
+                let value = self.probe.value(span.index_at(t));
+                let better = if self.minimum { value < best } else { value > best };
+                if better || (best.is_nan() && !value.is_nan()) {
+                    best = value;
+                    depth = t;
                 }
             }
-            let t = lattice.sample(k);
-            tally.samples += 1;
-            let value = self.probe.value(span.index_at(t));
-            let better = if self.minimum { value < best } else { value > best };
-            if better || (best.is_nan() && !value.is_nan()) {
-                best = value;
-                depth = t;
-            }
-            k += 1;
+            k = next;
         }
         classified(self.table, best, depth, self.opaque, tally)
     }
@@ -160,18 +158,11 @@ fn each_visible<R: Reconstruct>(
     tally: &mut Tally,
     mut visit: impl FnMut(f64, f64) -> bool,
 ) {
-    let mut k = 0;
-    while k < lattice.count {
-        if let Some(next) = skip.and_then(|skip| skip.leap(span, lattice, k)) {
-            tally.skipped += (next - k) as u64;
-            k = next;
-            continue;
-        }
-        tally.samples += 1;
-        let value = probe.value(span.index_at(lattice.sample(k)));
+    each_sample(skip, span, lattice, tally, |k, t, tally| {
+        let value = probe.value(span.index_at(t));
         if !value.is_nan() && visit(value, lattice.ratio(k)) {
             tally.visible += 1;
         }
-        k += 1;
-    }
+        false
+    });
 }

@@ -28,27 +28,31 @@ pub fn each_segment<R: Reconstruct>(
     tally: &mut Tally,
     mut visit: impl FnMut(Segment, &mut Tally) -> bool,
 ) {
+    let last = lattice.count + 1;
     let mut carried = None;
     let mut n = 1;
-    while n <= lattice.count + 1 {
-        if let Some(next) = skip.and_then(|skip| skip.leap_segment(span, lattice, n)) {
+    while n <= last {
+        let (live, next) = skip.map_or((true, last + 1), |skip| skip.run_of_segments(span, lattice, n));
+        if !live {
             tally.skipped += (next - n) as u64;
             n = next;
             carried = None;
             continue;
         }
-        let t = [lattice.node(n - 1, span.exit), lattice.node(n, span.exit)];
-        let front = carried.unwrap_or_else(|| {
+        for n in n..next {
+            let t = [lattice.node(n - 1, span.exit), lattice.node(n, span.exit)];
+            let front = carried.unwrap_or_else(|| {
+                tally.samples += 1;
+                probe.value(span.index_at(t[0]))
+            });
             tally.samples += 1;
-            probe.value(span.index_at(t[0]))
-        });
-        tally.samples += 1;
-        let back = probe.value(span.index_at(t[1]));
-        carried = Some(back);
-        if visit(Segment { t, value: [front, back] }, tally) {
-            tally.terminated += 1;
-            return;
+            let back = probe.value(span.index_at(t[1]));
+            carried = Some(back);
+            if visit(Segment { t, value: [front, back] }, tally) {
+                tally.terminated += 1;
+                return;
+            }
         }
-        n += 1;
+        n = next;
     }
 }

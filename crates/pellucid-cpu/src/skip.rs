@@ -28,24 +28,21 @@ impl<'a> BlockMap<'a> {
         Some(self.ranges[block]).filter(|range| *range != Blocks::ABSENT)
     }
 
-    /// The first lattice sample after k that may lie outside the dead block of sample k; `None` if
-    /// that block is not dead.
+    /// The block of lattice sample k, and the first sample after k that may lie in another.
     #[inline(always)]
-    pub fn leap(&self, span: &Span, lattice: &Lattice, k: usize, dead: impl Fn(usize) -> bool) -> Option<usize> {
-        let until = self.dead_until(span, lattice.sample(k), dead)?;
-        Some(lattice.first_at(until).max(k + 1))
+    pub fn run(&self, span: &Span, lattice: &Lattice, k: usize) -> (usize, usize) {
+        let (block, until) = self.stay(span, lattice.sample(k));
+        (block, lattice.first_at(until).max(k + 1))
     }
 
-    /// If the block at distance t is dead, the distance up to which the ray surely stays in it.
+    /// The block at distance t, and the distance up to which the ray surely stays in it.
     #[inline(always)]
-    fn dead_until(&self, span: &Span, t: f64, dead: impl Fn(usize) -> bool) -> Option<f64> {
+    fn stay(&self, span: &Span, t: f64) -> (usize, f64) {
         let index = span.index_at(t);
         let block: [usize; 3] =
             std::array::from_fn(|axis| ((index[axis].max(0.0) / self.size) as usize).min(self.dims[axis] - 1));
-        if !dead(block[0] + self.dims[0] * (block[1] + self.dims[1] * block[2])) {
-            return None;
-        }
-        Some(t + self.leave(index, block, span.index_direction()))
+        let until = t + self.leave(index, block, span.index_direction());
+        (block[0] + self.dims[0] * (block[1] + self.dims[1] * block[2]), until)
     }
 
     /// Distance from a position to the border of its block, a little short of it so that rounding
@@ -84,20 +81,20 @@ impl<'a> SkipGrid<'a> {
         Self { map, live }
     }
 
-    /// The first lattice sample after k that may contribute; `None` if sample k may.
+    /// Whether sample k may contribute, and the first sample after it that may lie in another block.
     #[inline(always)]
-    pub fn leap(&self, span: &Span, lattice: &Lattice, k: usize) -> Option<usize> {
-        self.map.leap(span, lattice, k, |block| !self.live[block])
+    pub fn run(&self, span: &Span, lattice: &Lattice, k: usize) -> (bool, usize) {
+        let (block, next) = self.map.run(span, lattice, k);
+        (self.live[block], next)
     }
 
-    /// The first segment between nodes after segment n that may contribute; `None` if segment n
-    /// may. A segment that crosses from block to block always may.
+    /// Whether segment n between nodes may contribute, and the first segment after it that may
+    /// differ. A segment that crosses from block to block always may contribute.
     #[inline(always)]
-    pub fn leap_segment(&self, span: &Span, lattice: &Lattice, n: usize) -> Option<usize> {
-        let start = lattice.node(n - 1, span.exit);
-        let until = self.map.dead_until(span, start, |block| !self.live[block])?;
+    pub fn run_of_segments(&self, span: &Span, lattice: &Lattice, n: usize) -> (bool, usize) {
+        let (block, until) = self.map.stay(span, lattice.node(n - 1, span.exit));
         // Sample s is node s + 1; nodes up to s lie inside the block, and so do segments up to s.
         let next = lattice.first_at(until) + 1;
-        (next > n).then_some(next)
+        (self.live[block] || next <= n, next.max(n + 1))
     }
 }
