@@ -30,7 +30,7 @@ impl Lattice {
     /// Distance of segment k's sample.
     #[inline(always)]
     pub fn sample(&self, k: usize) -> f64 {
-        self.entry + (k as f64 + self.jitter * self.ratio(k)) * self.step
+        self.entry + (k as i64 as f64 + self.jitter * self.ratio(k)) * self.step
     }
 
     /// Length of segment k in steps: 1 but for the last.
@@ -43,7 +43,7 @@ impl Lattice {
     #[inline(always)]
     pub fn first_at(&self, t: f64) -> usize {
         let k = ((t - self.entry) / self.step - self.jitter).ceil();
-        if k > 0.0 { (k as usize).min(self.count) } else { 0 }
+        (k.max(0.0) as i64 as usize).min(self.count)
     }
 
     /// Nodes of the piecewise linear view of the span: the entry, then every sample, then the

@@ -40,7 +40,7 @@ impl<'a> BlockMap<'a> {
     fn stay(&self, span: &Span, t: f64) -> (usize, f64) {
         let index = span.index_at(t);
         let block: [usize; 3] =
-            std::array::from_fn(|axis| ((index[axis].max(0.0) / self.size) as usize).min(self.dims[axis] - 1));
+            std::array::from_fn(|axis| ((index[axis].max(0.0) / self.size) as i64 as usize).min(self.dims[axis] - 1));
         let until = t + self.leave(index, block, span.index_direction());
         (block[0] + self.dims[0] * (block[1] + self.dims[1] * block[2]), until)
     }

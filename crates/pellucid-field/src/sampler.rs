@@ -183,13 +183,20 @@ fn split(x: f64) -> (usize, f64) {
     (cell as usize, x - cell as f64)
 }
 
-/// A lerp as `a + u (b - a)`: exactly `a` at `u = 0`, and not finite if either end is not.
+/// Seven lerps: along x, then y, then z.
 #[inline(always)]
 fn trilinear(base: usize, [dx, dy, dz]: [usize; 3], u: DVec3, at: impl Fn(usize) -> f64) -> f64 {
-    let lerp = |u: f64, a: f64, b: f64| a + u * (b - a);
-    let row = |offset: usize| lerp(u.x, at(offset), at(offset + dx));
-    let face = |offset: usize| lerp(u.y, row(offset), row(offset + dy));
-    lerp(u.z, face(base), face(base + dz))
+    let x00 = lerp(u.x, at(base), at(base + dx));
+    let x10 = lerp(u.x, at(base + dy), at(base + dy + dx));
+    let x01 = lerp(u.x, at(base + dz), at(base + dz + dx));
+    let x11 = lerp(u.x, at(base + dz + dy), at(base + dz + dy + dx));
+    lerp(u.z, lerp(u.y, x00, x10), lerp(u.y, x01, x11))
+}
+
+/// `a + u (b - a)`: exactly `a` at `u = 0`, and not finite if either end is not.
+#[inline(always)]
+fn lerp(u: f64, a: f64, b: f64) -> f64 {
+    a + u * (b - a)
 }
 
 /// Every wider filter over voxels of type `T`: the sum over the tensor product of its weights
