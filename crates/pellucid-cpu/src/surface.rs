@@ -3,10 +3,10 @@
 use glam::DVec3;
 use pellucid_optics::{GradientWeight, Material, ResolvedLight, blinn_phong};
 
-/// A unit normal out of the surface, towards lower values; zero where the gradient is too small
-/// to say (5.3-1), so that lighting vanishes there instead of turning into NaN.
+/// A unit normal out of the surface, towards lower values; zero where there is no gradient, so that
+/// lighting vanishes there instead of turning into NaN (5.3-1).
 pub fn normal(gradient: DVec3) -> DVec3 {
-    (-gradient).try_normalize().unwrap_or(DVec3::ZERO)
+    -pellucid_field::normal(gradient, 0.0)
 }
 
 /// Material and lights of a volume.

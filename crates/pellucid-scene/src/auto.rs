@@ -144,7 +144,9 @@ fn preset_for(volume: &Volume) -> (&'static str, String) {
 fn window_of(volume: &Volume, component: usize) -> ([f64; 2], &'static str) {
     let range = volume.statistics();
     let whole = [range.min, range.max];
-    let histogram = Histogram::new(volume, component, 1024).ok().filter(|_| range.max > range.min);
+    // Levels of integer data are exact; bins would put the background beside its value.
+    let levels = Histogram::of_levels(volume, component);
+    let histogram = levels.or_else(|| Histogram::new(volume, component, 1024).ok()).filter(|_| range.max > range.min);
     let found = histogram.and_then(|histogram| {
         let middle = (range.min + range.max) / 2.0;
         let low = histogram.mode().filter(|mode| *mode < middle).map_or(range.min, |mode| mode.max(range.min));
