@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use pellucid_field::{Filter, Linear, Reconstruct, for_voxels, with_reconstruction};
+use pellucid_field::{ComponentView, Filter, Linear, Reconstruct, for_voxels, with_reconstruction};
 use pellucid_scene::{Control, Frame, Jitter, RenderWarning, Stage, blue_noise};
 
 use crate::RenderError;
@@ -79,8 +79,8 @@ fn render(stage: &Stage, control: &Control, side: usize, cache: &mut Cache) -> R
     // filters cost so much per sample that a virtual call each does not show.
     let (mut frame, drawing) = match sampler.filter() {
         Filter::Linear => for_voxels!(sampler.source().voxels(), data => {
-            let lattice = pellucid_field::Lattice::new(sampler.source(), data, sampler.component());
-            cast(stage, &prepared, Linear(lattice), control, side)?
+            let view = ComponentView::new(sampler.source(), data, sampler.component());
+            cast(stage, &prepared, Linear(view), control, side)?
         }),
         _ => with_reconstruction!(&sampler, field => {
             cast(stage, &prepared, &field as &dyn Reconstruct, control, side)?

@@ -41,6 +41,6 @@ pub use joint_histogram::JointHistogram;
 pub use prefilter::spline_coefficients;
 pub use pyramid::{halve, pyramid};
 pub use resample::{resample, resample_dims};
-pub use sampler::{Lattice, Linear, Nearest, Reconstruct, Sampler, Wide};
+pub use sampler::{ComponentView, Linear, Nearest, Reconstruct, Sampler, Wide};
 pub use volume::{Statistics, ValueMap, Volume};
 pub use voxels::{Buffer, Voxel, VoxelType, Voxels};

@@ -1,7 +1,7 @@
 //! Reconstruction: the value of a volume between its voxels.
 //!
 //! [`Nearest`], [`Linear`] and [`Wide`] are concrete types for inner loops, all of them a
-//! [`Reconstruct`] over a typed [`Lattice`]. [`Sampler`] chooses among them at run time, and
+//! [`Reconstruct`] over a typed [`ComponentView`]. [`Sampler`] chooses among them at run time, and
 //! [`with_reconstruction!`](crate::with_reconstruction) hands its choice to generic code.
 //!
 //! One set of rules holds for all:
@@ -60,7 +60,7 @@ impl<R: Reconstruct + ?Sized> Reconstruct for &R {
 
 /// One component of a volume as an array of numbers of type `T`.
 #[derive(Clone, Copy, Debug)]
-pub struct Lattice<'a, T> {
+pub struct ComponentView<'a, T> {
     data: &'a [T],
     dims: [usize; 3],
     stride: [usize; 3],
@@ -70,7 +70,7 @@ pub struct Lattice<'a, T> {
     map: ValueMap,
 }
 
-impl<'a, T: Voxel> Lattice<'a, T> {
+impl<'a, T: Voxel> ComponentView<'a, T> {
     /// Component `component` of `volume`, whose typed voxels are `data`.
     ///
     /// # Panics
@@ -91,7 +91,7 @@ impl<'a, T: Voxel> Lattice<'a, T> {
         }
     }
 
-    /// The position within the lattice that stands for `index`, or `None` outside the box.
+    /// The position within the grid that stands for `index`, or `None` outside the box.
     #[inline(always)]
     fn locate(&self, index: DVec3) -> Option<DVec3> {
         let inside = index.cmpge(self.low).all() && index.cmple(self.high).all();
@@ -134,7 +134,7 @@ impl<'a, T: Voxel> Lattice<'a, T> {
 
 /// [`Filter::Nearest`] over voxels of type `T`.
 #[derive(Clone, Copy, Debug)]
-pub struct Nearest<'a, T>(pub Lattice<'a, T>);
+pub struct Nearest<'a, T>(pub ComponentView<'a, T>);
 
 impl<T: Voxel> Reconstruct for Nearest<'_, T> {
     #[inline]
@@ -150,24 +150,24 @@ impl<T: Voxel> Reconstruct for Nearest<'_, T> {
 
 /// [`Filter::Linear`] over voxels of type `T`: seven lerps (1.5-10).
 #[derive(Clone, Copy, Debug)]
-pub struct Linear<'a, T>(pub Lattice<'a, T>);
+pub struct Linear<'a, T>(pub ComponentView<'a, T>);
 
 impl<T: Voxel> Reconstruct for Linear<'_, T> {
     #[inline]
     fn value(&self, index: DVec3) -> f64 {
-        let lattice = &self.0;
-        let Some(p) = lattice.locate(index) else { return f64::NAN };
+        let view = &self.0;
+        let Some(p) = view.locate(index) else { return f64::NAN };
         let [x, y, z] = [split(p.x), split(p.y), split(p.z)];
         let (cell, u) = ([x.0, y.0, z.0], DVec3::new(x.1, y.1, z.1));
         // At the last voxel of an axis u is 0 and the right neighbour is the voxel itself.
         let step: [usize; 3] =
-            std::array::from_fn(|axis| if cell[axis] + 1 < lattice.dims[axis] { lattice.stride[axis] } else { 0 });
-        let base: usize = (0..3).map(|axis| cell[axis] * lattice.stride[axis]).sum();
-        let fast = trilinear(base, step, u, |offset| lattice.stored(offset));
+            std::array::from_fn(|axis| if cell[axis] + 1 < view.dims[axis] { view.stride[axis] } else { 0 });
+        let base: usize = (0..3).map(|axis| cell[axis] * view.stride[axis]).sum();
+        let fast = trilinear(base, step, u, |offset| view.stored(offset));
         if fast.is_finite() {
-            return lattice.map.value(fast);
+            return view.map.value(fast);
         }
-        lattice.repaired(p, |present| trilinear(base, step, u, present))
+        view.repaired(p, |present| trilinear(base, step, u, present))
     }
 
     fn spline(&self, index: DVec3) -> Option<SplineCell> {
@@ -203,7 +203,7 @@ fn lerp(u: f64, a: f64, b: f64) -> f64 {
 /// (1.5-9, 9.2-4).
 #[derive(Clone, Copy, Debug)]
 pub struct Wide<'a, T> {
-    lattice: Lattice<'a, T>,
+    view: ComponentView<'a, T>,
     filter: Filter,
     cubic: Option<Cubic>,
 }
@@ -214,26 +214,26 @@ type Tap = (usize, f64);
 impl<'a, T: Voxel> Wide<'a, T> {
     /// The field of any filter. A [`Filter::BSpline`] takes the voxels for its coefficients
     /// whatever its `prefilter` says.
-    pub fn new(lattice: Lattice<'a, T>, filter: Filter) -> Self {
-        Self { lattice, filter, cubic: filter.cubic() }
+    pub fn new(view: ComponentView<'a, T>, filter: Filter) -> Self {
+        Self { view, filter, cubic: filter.cubic() }
     }
 
-    /// The taps along one axis with the weights at a fraction, clamped to the lattice.
+    /// The taps along one axis with the weights at a fraction, clamped to the grid.
     #[inline(always)]
     fn taps<const N: usize>(&self, axis: usize, x: f64, half: usize, weight: impl Fn(f64) -> [f64; N]) -> [Tap; N] {
         let (cell, u) = split(x);
         let weights = weight(u);
-        let (last, stride) = (self.lattice.dims[axis] - 1, self.lattice.stride[axis]);
+        let (last, stride) = (self.view.dims[axis] - 1, self.view.stride[axis]);
         std::array::from_fn(|i| (((cell + 1 + i).saturating_sub(half)).min(last) * stride, weights[i]))
     }
 
     #[inline(always)]
     fn blend(&self, p: DVec3, x: &[Tap], y: &[Tap], z: &[Tap]) -> f64 {
-        let fast = tensor_sum(x, y, z, |offset| self.lattice.stored(offset));
+        let fast = tensor_sum(x, y, z, |offset| self.view.stored(offset));
         if fast.is_finite() {
-            return self.lattice.map.value(fast);
+            return self.view.map.value(fast);
         }
-        self.lattice.repaired(p, |present| tensor_sum(x, y, z, present))
+        self.view.repaired(p, |present| tensor_sum(x, y, z, present))
     }
 }
 
@@ -247,7 +247,7 @@ fn tensor_sum(x: &[Tap], y: &[Tap], z: &[Tap], at: impl Fn(usize) -> f64) -> f64
 impl<T: Voxel> Reconstruct for Wide<'_, T> {
     #[inline]
     fn value(&self, index: DVec3) -> f64 {
-        let Some(p) = self.lattice.locate(index) else { return f64::NAN };
+        let Some(p) = self.view.locate(index) else { return f64::NAN };
         let half = self.filter.half_width();
         if let Some(cubic) = self.cubic {
             let [x, y, z] = std::array::from_fn(|axis| self.taps(axis, p[axis], 2, |u| cubic.weights(u)));
@@ -260,7 +260,7 @@ impl<T: Voxel> Reconstruct for Wide<'_, T> {
     }
 
     fn spline(&self, index: DVec3) -> Option<SplineCell> {
-        self.lattice.spline(index)
+        self.view.spline(index)
     }
 }
 
@@ -327,18 +327,18 @@ macro_rules! with_reconstruction {
     ($sampler:expr, $field:ident => $body:expr) => {{
         let sampler: &$crate::Sampler<'_> = $sampler;
         $crate::for_voxels!(sampler.source().voxels(), data => {
-            let lattice = $crate::Lattice::new(sampler.source(), data, sampler.component());
+            let view = $crate::ComponentView::new(sampler.source(), data, sampler.component());
             match sampler.filter() {
                 $crate::Filter::Nearest => {
-                    let $field = $crate::Nearest(lattice);
+                    let $field = $crate::Nearest(view);
                     $body
                 }
                 $crate::Filter::Linear => {
-                    let $field = $crate::Linear(lattice);
+                    let $field = $crate::Linear(view);
                     $body
                 }
                 filter => {
-                    let $field = $crate::Wide::new(lattice, filter);
+                    let $field = $crate::Wide::new(view, filter);
                     $body
                 }
             }
