@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use pellucid_field::Reconstruct;
-use pellucid_optics::{PreIntegration, correct_associated};
+use pellucid_optics::{PreIntegration, correct_associated, over};
 
 use crate::integrator::{Integrator, Tally, Traced};
 use crate::lattice::Lattice;
@@ -29,7 +29,7 @@ pub struct Medium<'a, R> {
 /// One ray's accumulated light.
 struct Accumulator {
     color: [f32; 4],
-    /// Distance and value where opacity first reached one half.
+    /// Distance at which opacity first reached one half.
     half: Option<f64>,
 }
 
@@ -49,10 +49,7 @@ impl<R: Reconstruct> Medium<'_, R> {
     /// Adds a sample behind what is there. Returns whether the ray is done.
     #[inline(always)]
     fn add(&self, ray: &mut Accumulator, t: f64, rgba: [f32; 4]) -> bool {
-        let through = 1.0 - ray.color[3];
-        for channel in 0..4 {
-            ray.color[channel] += through * rgba[channel];
-        }
+        ray.color = over(ray.color, rgba);
         if ray.half.is_none() && ray.color[3] >= 0.5 {
             ray.half = Some(t);
         }

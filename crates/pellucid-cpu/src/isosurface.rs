@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use pellucid_field::Reconstruct;
-use pellucid_optics::{ColorSpace, TransferFunction};
+use pellucid_optics::{ColorSpace, TransferFunction, over};
 use pellucid_scene::Isovalue;
 
 use crate::integrator::{Integrator, Tally, Traced};
@@ -87,11 +87,8 @@ impl<R: Reconstruct> Isosurfaces<'_, R> {
             .as_ref()
             .map_or(level.color, |surface| surface.shade(level.color, span.ray.at(t), gradient, -span.ray.direction));
         tally.visible += 1;
-        let weight = (1.0 - traced.color[3]) * level.opacity;
-        for channel in 0..3 {
-            traced.color[channel] += weight * color[channel];
-        }
-        traced.color[3] += weight;
+        let [r, g, b] = color.map(|channel| channel * level.opacity);
+        traced.color = over(traced.color, [r, g, b, level.opacity]);
         if traced.depth.is_infinite() {
             traced.depth = t;
             traced.normal = toward(normal(gradient), -span.ray.direction);

@@ -68,6 +68,7 @@ impl<R: Reconstruct> Classify<R> for Pre<'_> {
                 }
             }
         }
-        (probe.value(index), sum.map(|channel| channel.max(0.0) as f32))
+        // Filters with negative weights overshoot.
+        (probe.value(index), sum.map(|channel| channel.clamp(0.0, 1.0) as f32))
     }
 }

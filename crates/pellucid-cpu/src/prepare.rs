@@ -19,9 +19,6 @@ use crate::skip::{BlockMap, SkipGrid};
 use crate::slice::Plane;
 use crate::surface::Surface;
 
-/// Side of a min-max block in voxels (7.3-6: one eighth of the data per axis).
-const BLOCK: usize = 8;
-
 /// What depends on the data alone and is kept from frame to frame.
 #[derive(Default)]
 pub struct Cache {
@@ -34,7 +31,7 @@ impl Cache {
         match &self.blocks {
             Some((v, c, r, blocks)) if Arc::ptr_eq(v, volume) && *c == component && *r == reach => Ok(blocks.clone()),
             _ => {
-                let blocks = Arc::new(Blocks::new(volume, component, BLOCK, reach)?);
+                let blocks = Arc::new(Blocks::new(volume, component, Blocks::CELLS, reach)?);
                 self.blocks = Some((volume.clone(), component, reach, blocks.clone()));
                 Ok(blocks)
             }

@@ -21,6 +21,9 @@ pub struct Blocks {
 }
 
 impl Blocks {
+    /// The usual number of cells per axis: blocks are one eighth of the data (7.3-6).
+    pub const CELLS: usize = 8;
+
     /// The range of a block without a single finite value: lowest above highest.
     pub const ABSENT: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 

@@ -184,8 +184,8 @@ pub fn framed_corners(volume: &Volume, component: usize, tf: &TransferFunction, 
 /// The index box around all blocks whose range of values is visible; `None` if there is no such
 /// block.
 fn visible_indices(volume: &Volume, component: usize, seen: impl Fn(f32, f32) -> bool) -> Option<(DVec3, DVec3)> {
-    const BLOCK: usize = 8;
-    let blocks = Blocks::new(volume, component, BLOCK, 0).ok()?;
+    const CELLS: f64 = Blocks::CELLS as f64;
+    let blocks = Blocks::new(volume, component, Blocks::CELLS, 0).ok()?;
     let [nx, ny, _] = blocks.dims();
     let visible = blocks.ranges().iter().enumerate().filter(|(_, [low, high])| low <= high && seen(*low, *high));
     let positions = visible.map(|(b, _)| DVec3::new((b % nx) as f64, (b / nx % ny) as f64, (b / (nx * ny)) as f64));
@@ -193,12 +193,15 @@ fn visible_indices(volume: &Volume, component: usize, seen: impl Fn(f32, f32) ->
         Some(found.map_or((p, p), |(low, high)| (low.min(p), high.max(p))))
     })?;
     let (low, high) = volume.grid().index_bounds();
-    Some(((first * BLOCK as f64).max(low), ((last + 1.0) * BLOCK as f64).min(high)))
+    Some(((first * CELLS).max(low), ((last + 1.0) * CELLS).min(high)))
 }
 
 /// What the camera was set to where the scene left it open.
 pub fn camera_choice(camera: &Camera, view: &Viewpoint) -> Option<Choice> {
     let View::Orbit(orbit) = camera.view else { return None };
+    if orbit.target.is_some() && orbit.distance.is_some() {
+        return None;
+    }
     let DVec3 { x, y, z } = view.eye;
     Some(Choice {
         setting: "camera",

@@ -42,14 +42,14 @@ impl Renderer {
         }
     }
 
-    /// A renderer whose CPU work runs on `threads` threads of its own (at least 1). The picture
-    /// does not depend on their number.
+    /// A renderer whose CPU work runs on `threads` threads of its own. The picture does not depend
+    /// on their number.
     ///
     /// # Errors
-    /// [`RenderError::Threads`] if the system refuses them.
+    /// [`RenderError::Threads`] if there are none, too many, or the system refuses them.
     pub fn with_threads(backend: Backend, threads: usize) -> Result<Self, RenderError> {
         match backend {
-            Backend::Auto | Backend::Cpu => Ok(Self { cpu: CpuRenderer::with_threads(threads.max(1))? }),
+            Backend::Auto | Backend::Cpu => Ok(Self { cpu: CpuRenderer::with_threads(threads)? }),
         }
     }
 
