@@ -1,136 +1,213 @@
 //! Emission and absorption, front to back (1.4-8, 7.1-2).
 
-use glam::DVec3;
-use pellucid_field::Reconstruct;
-use pellucid_optics::{PreIntegration, correct_associated, over};
-
-use crate::integrator::{Integrator, Tally, Traced};
-use crate::lattice::Lattice;
-use crate::medium::Classify;
-use crate::probe::Probe;
+use crate::classify::{Classified, Classify, Segments, over_length};
+use crate::field::Field;
+use crate::integrator::{Counter, Integrator, Tally, Traced};
+use crate::lanes::*;
+use crate::packet::{Packet, Rays};
 use crate::samples::each_sample;
-use crate::segments::each_segment;
+use crate::segments::{Segment, Verdict, Visit, each_segment};
 use crate::skip::SkipGrid;
-use crate::span::Span;
-use crate::surface::{Surface, normal};
+use crate::surface::{Surface, normals};
 
 /// What every compositing loop shares: the field, light, empty blocks and the stop criterion.
-pub struct Medium<'a, R> {
+pub struct Medium<'a, S, F> {
+    /// The instruction set.
+    pub s: S,
     /// The field.
-    pub probe: Probe<'a, R>,
+    pub field: F,
     /// Light, if surfaces are shaded.
     pub surface: Option<Surface<'a>>,
     /// Blocks that can contribute, if empty space is skipped.
-    pub skip: Option<SkipGrid<'a>>,
+    pub skip: Option<SkipGrid>,
     /// Opacity at which a ray stops.
     pub early_termination: f32,
 }
 
-/// One ray's accumulated light.
-struct Accumulator {
-    color: [f32; 4],
+/// The accumulated light of every ray.
+struct Accumulator<S: Lanes> {
+    color: [F32<S>; 4],
     /// Distance at which opacity first reached one half.
-    half: Option<f64>,
+    half: F32<S>,
+    to_eye: Vec3<S>,
 }
 
-impl<R: Reconstruct> Medium<'_, R> {
-    /// Shades an associated sample: colour is lit, opacity stays (5.4-1: the light is weighted by
+impl<S: Lanes, F: Field<S>> Medium<'_, S, F> {
+    #[inline(always)]
+    fn start(&self, packet: &Packet) -> Accumulator<S> {
+        let zero = splat(self.s, 0.0);
+        let to_eye = xyz!(I => -load(self.s, &packet.world_direction[I]));
+        Accumulator { color: [zero; 4], half: splat(self.s, f32::INFINITY), to_eye }
+    }
+
+    /// Shades associated samples: colour is lit, opacity stays (5.4-1: the light is weighted by
     /// the sample's opacity, or transparent samples would glow).
-    #[inline]
-    fn lit(&self, span: &Span, t: f64, value: f64, rgba: [f32; 4]) -> [f32; 4] {
+    #[inline(always)]
+    fn lit(&self, to_eye: &Vec3<S>, index: Vec3<S>, value: F32<S>, rgba: [F32<S>; 4], lanes: Mask<S>) -> [F32<S>; 4] {
         let Some(surface) = &self.surface else { return rgba };
         let [r, g, b, a] = rgba;
-        let base = [r / a, g / a, b / a];
-        let gradient = self.probe.gradient(span.index_at(t), value);
-        let [r, g, b] = surface.shade(base, span.ray.at(t), gradient, -span.ray.direction);
-        [r * a, g * a, b * a, a]
+        let unassociate = splat(self.s, 1.0) / lanes.select(a, splat(self.s, 1.0));
+        let base = [r * unassociate, g * unassociate, b * unassociate];
+        let gradient = self.field.gradients(self.s, index, value, lanes);
+        let lit = surface.shade(self.s, base, index, gradient, to_eye, lanes);
+        let [r, g, b] = xyz!(C => lanes.select(lit[C] * a, splat(self.s, 0.0)));
+        [r, g, b, a]
     }
 
-    /// Adds a sample behind what is there. Returns whether the ray is done.
+    /// Adds samples behind what is there. Returns the rays that are done.
     #[inline(always)]
-    fn add(&self, ray: &mut Accumulator, t: f64, rgba: [f32; 4]) -> bool {
-        ray.color = over(ray.color, rgba);
-        if ray.half.is_none() && ray.color[3] >= 0.5 {
-            ray.half = Some(t);
+    fn add(&self, ray: &mut Accumulator<S>, distance: F32<S>, rgba: [F32<S>; 4], lanes: Mask<S>) -> Mask<S> {
+        let zero = splat(self.s, 0.0);
+        let through = lanes.select(splat(self.s, 1.0) - ray.color[3], zero);
+        for (color, sample) in ray.color.iter_mut().zip(rgba) {
+            *color = through.mul_add(sample, *color);
         }
-        ray.color[3] >= self.early_termination
+        let reached = ray.color[3].simd_ge(splat(self.s, 0.5)) & ray.half.simd_eq(splat(self.s, f32::INFINITY));
+        ray.half = reached.select(distance, ray.half);
+        ray.color[3].simd_ge(splat(self.s, self.early_termination))
     }
 
-    fn finish(&self, ray: &Accumulator, span: &Span) -> Traced {
-        let Some(depth) = ray.half else { return Traced { color: ray.color, ..Traced::NOTHING } };
-        let index = span.index_at(depth);
-        let value = self.probe.value(index);
-        let normal = if value.is_nan() { DVec3::ZERO } else { normal(self.probe.gradient(index, value)) };
-        Traced { color: ray.color, depth, normal }
+    #[inline(always)]
+    fn finish(&self, ray: &Accumulator<S>, rays: &Rays<S>, traced: &mut Traced) {
+        traced.set_color::<S>(ray.color);
+        let met = ray.half.is_finite();
+        let mut normal = [splat(self.s, 0.0); 3];
+        if met.any_true() {
+            let index = rays.at(met.select(ray.half, splat(self.s, 0.0)));
+            let value = self.field.values(self.s, index, met);
+            let present = value.is_finite();
+            let found = normals(self.s, self.field.gradients(self.s, index, value, met)).0;
+            normal = xyz!(I => present.select(found[I], splat(self.s, 0.0)));
+        }
+        traced.set_surface(self.s, met, ray.half, normal);
     }
 }
 
 /// Compositing of classified samples.
-pub struct Composite<'a, R, C> {
+pub struct Composite<'a, S, F, C> {
     /// The shared parts.
-    pub medium: Medium<'a, R>,
+    pub medium: Medium<'a, S, F>,
     /// How samples get colour and opacity.
     pub classifier: C,
 }
 
-impl<R: Reconstruct, C: Classify<R>> Integrator for Composite<'_, R, C> {
-    fn trace(&self, span: &Span, lattice: &Lattice, tally: &mut Tally) -> Traced {
-        let medium = &self.medium;
-        let mut ray = Accumulator { color: [0.0; 4], half: None };
-        each_sample(medium.skip.as_ref(), span, lattice, tally, |k, t, tally| {
-            let (value, mut rgba) = self.classifier.classify(&medium.probe, span.index_at(t));
-            if rgba[3] == 0.0 {
-                return false;
-            }
-            tally.visible += 1;
-            let ratio = lattice.ratio(k);
-            if ratio < 1.0 {
-                rgba = correct_associated(rgba, ratio as f32);
-            }
-            medium.add(&mut ray, t, medium.lit(span, t, value, rgba))
-        });
-        medium.finish(&ray, span)
+impl<S: Lanes, F: Field<S>, C: Classify> Integrator for Composite<'_, S, F, C> {
+    fn width(&self) -> usize {
+        width::<S>()
+    }
+
+    fn trace(&self, packet: &Packet, traced: &mut Traced, tally: &mut Tally) {
+        let (medium, s) = (&self.medium, self.medium.s);
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let rays = Rays::new(s, packet);
+                let (mut ray, mut counter) = (medium.start(packet), Counter::new(s));
+                each_sample(
+                    s,
+                    &rays,
+                    medium.skip.as_ref(),
+                    &mut counter,
+                    #[inline(always)]
+                    |sample, counter| {
+                        let Some(Classified { value, mut rgba, visible }) =
+                            self.classifier.classify(s, &medium.field, sample.index, sample.lanes)
+                        else {
+                            return all(s, false);
+                        };
+                        counter.see(visible);
+                        if sample.shortened {
+                            rgba = over_length(s, rgba, sample.ratio);
+                        }
+                        let rgba = medium.lit(&ray.to_eye, sample.index, value, rgba, visible);
+                        medium.add(&mut ray, sample.distance, rgba, visible)
+                    },
+                );
+                medium.finish(&ray, &rays, traced);
+                counter.finish(traced, tally);
+            },
+        );
     }
 }
 
 /// Compositing of pre-integrated segments between the nodes of the lattice (4.6-7, 7.2-3): one
 /// fetch a step, and the first segment starts at the entry, not at a made-up value of 0.
-pub struct PreIntegrated<'a, R> {
+pub struct PreIntegrated<'a, S, F> {
     /// The shared parts.
-    pub medium: Medium<'a, R>,
+    pub medium: Medium<'a, S, F>,
     /// Ray integrals of one full step.
-    pub table: &'a PreIntegration,
+    pub table: Segments<'a>,
 }
 
-impl<R: Reconstruct> Integrator for PreIntegrated<'_, R> {
-    fn trace(&self, span: &Span, lattice: &Lattice, tally: &mut Tally) -> Traced {
-        let medium = &self.medium;
-        let mut ray = Accumulator { color: [0.0; 4], half: None };
-        each_segment(&medium.probe, medium.skip.as_ref(), span, lattice, tally, |segment, tally| {
-            let [start, end] = segment.t;
-            let Some(rgba) = self.integral(segment.value, (end - start) / lattice.step()) else { return false };
-            tally.visible += 1;
-            let middle = (start + end) / 2.0;
-            let value = if medium.surface.is_some() { medium.probe.value(span.index_at(middle)) } else { f64::NAN };
-            medium.add(&mut ray, middle, medium.lit(span, middle, value, rgba))
-        });
-        medium.finish(&ray, span)
+impl<S: Lanes, F: Field<S>> Integrator for PreIntegrated<'_, S, F> {
+    fn width(&self) -> usize {
+        width::<S>()
+    }
+
+    fn trace(&self, packet: &Packet, traced: &mut Traced, tally: &mut Tally) {
+        let (medium, s) = (&self.medium, self.medium.s);
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let rays = Rays::new(s, packet);
+                let (mut ray, mut counter) = (medium.start(packet), Counter::new(s));
+                let (skip, field) = (medium.skip.as_ref(), &medium.field);
+                each_segment(
+                    s,
+                    field,
+                    &rays,
+                    skip,
+                    &mut counter,
+                    &mut Compositing { mode: self, rays: &rays, ray: &mut ray },
+                );
+                medium.finish(&ray, &rays, traced);
+                counter.finish(traced, tally);
+            },
+        );
     }
 }
 
-impl<R> PreIntegrated<'_, R> {
-    /// The integral over a segment with these values at its ends, if it has any opacity. Where one
-    /// end is absent the field reaches half way with the value of the other.
+/// Segments on their way into the accumulator.
+struct Compositing<'a, S: Lanes, F> {
+    mode: &'a PreIntegrated<'a, S, F>,
+    rays: &'a Rays<S>,
+    ray: &'a mut Accumulator<S>,
+}
+
+impl<S: Lanes, F: Field<S>> Visit<S> for Compositing<'_, S, F> {
     #[inline(always)]
-    fn integral(&self, [front, back]: [f64; 2], ratio: f64) -> Option<[f32; 4]> {
-        let (front, back, ratio) = match (front.is_nan(), back.is_nan()) {
-            (false, false) => (front, back, ratio),
-            (false, true) => (front, front, ratio / 2.0),
-            (true, false) => (back, back, ratio / 2.0),
-            (true, true) => return None,
-        };
-        let rgba = self.table.lookup(front as f32, back as f32);
-        let rgba = if ratio == 1.0 { rgba } else { correct_associated(rgba, ratio as f32) };
-        (rgba[3] > 0.0).then_some(rgba)
+    fn visit(&mut self, segment: &Segment<S>, counter: &mut Counter<S>) -> Verdict<S> {
+        let medium = &self.mode.medium;
+        let (s, none) = (medium.s, all(medium.s, false));
+        let (rgba, visible) = self.mode.integral(segment);
+        if !visible.any_true() {
+            return Verdict { done: none, wait: none };
+        }
+        counter.see(visible);
+        let middle = (segment.distance[0] + segment.distance[1]) * 0.5;
+        let index = self.rays.at(middle);
+        let lit = medium.surface.is_some();
+        let value = if lit { medium.field.values(s, index, visible) } else { splat(s, f32::NAN) };
+        let rgba = medium.lit(&self.ray.to_eye, index, value, rgba, visible);
+        Verdict { done: medium.add(self.ray, middle, rgba, visible), wait: none }
+    }
+}
+
+impl<S: Lanes, F: Field<S>> PreIntegrated<'_, S, F> {
+    /// The integrals over segments, and the lanes that have any opacity. Where one end is absent
+    /// the field reaches half way with the value of the other.
+    #[inline(always)]
+    fn integral(&self, segment: &Segment<S>) -> ([F32<S>; 4], Mask<S>) {
+        let s = self.medium.s;
+        let [front, back] = segment.value;
+        let present = [front.is_finite(), back.is_finite()];
+        let length = (present[0] & present[1]).select(segment.length, segment.length * 0.5);
+        let lanes = segment.lanes & (present[0] | present[1]);
+        let [from, to] = [present[0].select(front, back), present[1].select(back, front)];
+        let mut rgba = self.table.lookup(s, from, to, lanes);
+        if (lanes & length.simd_lt(splat(s, 1.0))).any_true() {
+            rgba = over_length(s, rgba, length);
+        }
+        (rgba, lanes & rgba[3].simd_gt(splat(s, 0.0)))
     }
 }

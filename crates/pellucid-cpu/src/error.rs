@@ -3,6 +3,8 @@
 use pellucid_field::FieldError;
 use pellucid_optics::OpticsError;
 
+use crate::InstructionSet;
+
 /// Why a frame was not drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -22,6 +24,20 @@ pub enum RenderError {
     /// The field cannot be reconstructed as asked.
     #[error(transparent)]
     Field(#[from] FieldError),
+    /// This machine's processor lacks the instructions asked for.
+    #[error("this processor has no {set} instructions: choose auto")]
+    Instructions {
+        /// What was asked for.
+        set: InstructionSet,
+    },
+    /// Rays would have more samples than can be numbered.
+    #[error("a ray through the volume has {found:.0} steps, and {limit} are possible: take a longer step")]
+    Steps {
+        /// Steps of the longest ray.
+        found: f64,
+        /// The most there may be.
+        limit: u32,
+    },
     /// The thread pool could not be made.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {

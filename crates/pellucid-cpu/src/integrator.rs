@@ -1,27 +1,49 @@
-//! What a mode is: something that turns the samples of one ray into a pixel.
+//! What a mode is: something that turns the samples of a packet of rays into pixels.
 
-use glam::DVec3;
+use crate::lanes::*;
+use crate::packet::{Packet, PerLane};
 
-use crate::lattice::Lattice;
-use crate::span::Span;
-
-/// What one ray found.
-#[derive(Clone, Copy, Debug)]
+/// What the rays of a packet found.
+#[derive(Clone, Debug)]
 pub struct Traced {
     /// Associated linear RGBA.
-    pub color: [f32; 4],
-    /// Distance along the ray; infinite where nothing was met.
-    pub depth: f64,
+    pub color: [PerLane; 4],
+    /// Distance from the entry in steps; infinite where nothing was met.
+    pub depth: PerLane,
     /// Unit world normal at that depth, or zero.
-    pub normal: DVec3,
+    pub normal: [PerLane; 3],
+    /// Field samples taken.
+    pub samples: PerLane,
 }
 
 impl Traced {
-    /// A ray that met nothing.
-    pub const NOTHING: Self = Self { color: [0.0; 4], depth: f64::INFINITY, normal: DVec3::ZERO };
+    /// Rays that met nothing.
+    pub const NOTHING: Self = Self {
+        color: [[0.0; MOST_LANES]; 4],
+        depth: [f32::INFINITY; MOST_LANES],
+        normal: [[0.0; MOST_LANES]; 3],
+        samples: [0.0; MOST_LANES],
+    };
+
+    /// Writes down colours.
+    #[inline(always)]
+    pub fn set_color<S: Lanes>(&mut self, color: [F32<S>; 4]) {
+        for (place, lanes) in self.color.iter_mut().zip(color) {
+            store::<S>(lanes, place);
+        }
+    }
+
+    /// Writes down a depth and its normals, both only in the lanes that met something.
+    #[inline(always)]
+    pub fn set_surface<S: Lanes>(&mut self, s: S, met: Mask<S>, depth: F32<S>, normal: [F32<S>; 3]) {
+        store::<S>(met.select(depth, splat(s, f32::INFINITY)), &mut self.depth);
+        for (place, lanes) in self.normal.iter_mut().zip(normal) {
+            store::<S>(met.select(lanes, splat(s, 0.0)), place);
+        }
+    }
 }
 
-/// Counts of one or many rays.
+/// Counts of one or many packets.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
     /// Field samples taken.
@@ -44,8 +66,61 @@ impl Tally {
     }
 }
 
+/// The counts of a packet while it is traced.
+pub struct Counter<S: Lanes> {
+    samples: F32<S>,
+    skipped: F32<S>,
+    visible: u64,
+    terminated: u64,
+}
+
+impl<S: Lanes> Counter<S> {
+    /// Nothing yet.
+    #[inline(always)]
+    pub fn new(s: S) -> Self {
+        Self { samples: splat(s, 0.0), skipped: splat(s, 0.0), visible: 0, terminated: 0 }
+    }
+
+    /// One sample in each of these lanes.
+    #[inline(always)]
+    pub fn sample(&mut self, lanes: Mask<S>) {
+        self.samples = lanes.select(self.samples + 1.0, self.samples);
+    }
+
+    /// These samples added something.
+    #[inline(always)]
+    pub fn see(&mut self, lanes: Mask<S>) {
+        self.visible += count::<S>(lanes);
+    }
+
+    /// So many samples were leapt over, in each lane.
+    #[inline(always)]
+    pub fn skip(&mut self, samples: F32<S>) {
+        self.skipped += samples;
+    }
+
+    /// These rays are opaque.
+    #[inline(always)]
+    pub fn terminate(&mut self, lanes: Mask<S>) {
+        self.terminated += count::<S>(lanes);
+    }
+
+    /// Writes the counts down.
+    #[inline(always)]
+    pub fn finish(self, traced: &mut Traced, tally: &mut Tally) {
+        store::<S>(self.samples, &mut traced.samples);
+        tally.samples += self.samples.as_slice().iter().sum::<f32>() as u64;
+        tally.skipped += self.skipped.as_slice().iter().sum::<f32>() as u64;
+        tally.visible += self.visible;
+        tally.terminated += self.terminated;
+    }
+}
+
 /// A mode, ready to trace rays.
 pub trait Integrator: Sync {
-    /// Follows one ray over its span.
-    fn trace(&self, span: &Span, lattice: &Lattice, tally: &mut Tally) -> Traced;
+    /// How many rays are followed at once.
+    fn width(&self) -> usize;
+
+    /// Follows the rays of a packet; `traced` comes as [`Traced::NOTHING`].
+    fn trace(&self, packet: &Packet, traced: &mut Traced, tally: &mut Tally);
 }

@@ -1,23 +1,21 @@
 //! First surfaces of constant value, found along the ray without a mesh (5.5-8).
 
-use glam::DVec3;
-use pellucid_field::Reconstruct;
-use pellucid_optics::{ColorSpace, TransferFunction, over};
+use pellucid_optics::{ColorSpace, TransferFunction};
 use pellucid_scene::Isovalue;
 
-use crate::integrator::{Integrator, Tally, Traced};
-use crate::lattice::Lattice;
-use crate::probe::Probe;
-use crate::segments::{Segment, each_segment};
+use crate::field::Field;
+use crate::integrator::{Counter, Integrator, Tally, Traced};
+use crate::lanes::*;
+use crate::packet::{Packet, Rays};
+use crate::segments::{Segment, Verdict, Visit, each_segment};
 use crate::skip::SkipGrid;
-use crate::span::Span;
-use crate::surface::{Surface, normal};
+use crate::surface::{Surface, normals};
 
 /// A surface, classified.
 #[derive(Clone, Copy, Debug)]
 pub struct Level {
     /// Data value.
-    pub value: f64,
+    pub value: f32,
     /// Linear RGB.
     pub color: [f32; 3],
     /// Opacity.
@@ -28,104 +26,199 @@ impl Level {
     /// The surface of the document, its colour from the transfer function unless it has its own.
     pub fn new(iso: &Isovalue, tf: &TransferFunction) -> Self {
         let color = iso.color.map_or_else(|| tf.color(iso.value), |color| color.to_linear(ColorSpace::Srgb));
-        Self { value: iso.value, color, opacity: iso.opacity }
+        Self { value: iso.value as f32, color, opacity: iso.opacity }
     }
 }
 
 /// Shaded isosurfaces.
-pub struct Isosurfaces<'a, R> {
+pub struct Isosurfaces<'a, S, F> {
+    /// The instruction set.
+    pub s: S,
     /// The field.
-    pub probe: Probe<'a, R>,
+    pub field: F,
     /// Light, if surfaces are shaded.
     pub surface: Option<Surface<'a>>,
-    /// The surfaces.
+    /// The surfaces, in ascending order.
     pub levels: Vec<Level>,
     /// Blocks that hold a surface, if the others are skipped.
-    pub skip: Option<SkipGrid<'a>>,
+    pub skip: Option<SkipGrid>,
     /// Opacity at which a ray stops.
     pub early_termination: f32,
 }
 
-/// Width of the bracket around a root, in voxels, below which it is found.
-const ROOT_VOXELS: f64 = 1e-5;
+/// Pieces of rays that surfaces cross.
+struct Crossed<S: Lanes> {
+    distance: [F32<S>; 2],
+    value: [F32<S>; 2],
+    lanes: Mask<S>,
+}
 
-impl<R: Reconstruct> Integrator for Isosurfaces<'_, R> {
-    fn trace(&self, span: &Span, lattice: &Lattice, tally: &mut Tally) -> Traced {
-        let mut traced = Traced::NOTHING;
-        each_segment(&self.probe, self.skip.as_ref(), span, lattice, tally, |segment, tally| {
-            self.cross(span, segment, &mut traced, tally)
-        });
-        traced
+/// What rays have met so far.
+struct Met<S: Lanes> {
+    color: [F32<S>; 4],
+    depth: F32<S>,
+    normal: Vec3<S>,
+    to_eye: Vec3<S>,
+}
+
+impl<S: Lanes, F: Field<S>> Integrator for Isosurfaces<'_, S, F> {
+    fn width(&self) -> usize {
+        width::<S>()
+    }
+
+    fn trace(&self, packet: &Packet, traced: &mut Traced, tally: &mut Tally) {
+        let s = self.s;
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let rays = Rays::new(s, packet);
+                let mut counter = Counter::new(s);
+                let (zero, none) = (splat(s, 0.0), all(s, false));
+                let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
+                let met = Met { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], to_eye };
+                let crossed = Crossed { distance: [zero; 2], value: [zero; 2], lanes: none };
+                let mut search = Search { mode: self, rays: &rays, crossed, met };
+                each_segment(s, &self.field, &rays, self.skip.as_ref(), &mut counter, &mut search);
+                let met = search.met;
+                traced.set_color::<S>(met.color);
+                traced.set_surface(s, met.depth.is_finite(), met.depth, met.normal);
+                counter.finish(traced, tally);
+            },
+        );
     }
 }
 
-impl<R: Reconstruct> Isosurfaces<'_, R> {
-    /// Adds the surfaces that one segment crosses, nearest first. Returns whether the ray is done.
+/// The search along the rays of a packet. Rays that meet a surface wait for the others, so that
+/// surfaces are located and shaded for all of them at once.
+struct Search<'a, S: Lanes, F> {
+    mode: &'a Isosurfaces<'a, S, F>,
+    rays: &'a Rays<S>,
+    crossed: Crossed<S>,
+    met: Met<S>,
+}
+
+impl<S: Lanes, F: Field<S>> Visit<S> for Search<'_, S, F> {
     #[inline(always)]
-    fn cross(&self, span: &Span, segment: Segment, traced: &mut Traced, tally: &mut Tally) -> bool {
-        let value = segment.value;
-        if value[0].is_nan() || value[1].is_nan() {
-            return false;
-        }
-        // A ray leaves the value at the segment's start and meets levels in the order of value.
-        let rising = value[1] > value[0];
-        let mut done = |level: &Level| {
-            if (value[0] < level.value) == (value[1] < level.value) {
-                return false;
+    fn visit(&mut self, segment: &Segment<S>, _: &mut Counter<S>) -> Verdict<S> {
+        let (crossed, done) = (&mut self.crossed, all(self.mode.s, false));
+        let wait = segment.lanes & self.mode.crosses(segment.value);
+        if wait.any_true() {
+            for end in 0..2 {
+                crossed.distance[end] = wait.select(segment.distance[end], crossed.distance[end]);
+                crossed.value[end] = wait.select(segment.value[end], crossed.value[end]);
             }
-            self.hit(span, segment, level, traced, tally)
-        };
-        if rising { self.levels.iter().any(&mut done) } else { self.levels.iter().rev().any(&mut done) }
+            crossed.lanes |= wait;
+        }
+        Verdict { done, wait }
     }
 
-    fn hit(&self, span: &Span, segment: Segment, level: &Level, traced: &mut Traced, tally: &mut Tally) -> bool {
-        let t = self.root(span, segment, level.value);
-        let index = span.index_at(t);
-        let gradient = self.probe.gradient(index, level.value);
-        let color = self
-            .surface
-            .as_ref()
-            .map_or(level.color, |surface| surface.shade(level.color, span.ray.at(t), gradient, -span.ray.direction));
-        tally.visible += 1;
-        let [r, g, b] = color.map(|channel| channel * level.opacity);
-        traced.color = over(traced.color, [r, g, b, level.opacity]);
-        if traced.depth.is_infinite() {
-            traced.depth = t;
-            traced.normal = toward(normal(gradient), -span.ray.direction);
+    #[inline(always)]
+    fn resume(&mut self, s: S, counter: &mut Counter<S>) -> Mask<S> {
+        let done = self.mode.meet(self.rays, &self.crossed, &mut self.met, counter);
+        self.crossed.lanes = all(s, false);
+        done
+    }
+}
+
+impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
+    /// Lanes in which any level lies between two values.
+    #[inline(always)]
+    fn crosses(&self, value: [F32<S>; 2]) -> Mask<S> {
+        let mut any = all(self.s, false);
+        for level in &self.levels {
+            any |= self.between(value, splat(self.s, level.value));
         }
-        traced.color[3] >= self.early_termination
+        any
+    }
+
+    #[inline(always)]
+    fn between(&self, [front, back]: [F32<S>; 2], level: F32<S>) -> Mask<S> {
+        let (below, under) = (front.simd_lt(level), back.simd_lt(level));
+        let present = front.is_finite() & back.is_finite();
+        present & ((below & !under) | (!below & under))
+    }
+
+    /// Adds the surfaces that segments cross, nearest first. Returns the rays that are done.
+    #[inline(always)]
+    fn meet(&self, rays: &Rays<S>, crossed: &Crossed<S>, met: &mut Met<S>, counter: &mut Counter<S>) -> Mask<S> {
+        let s = self.s;
+        let mut done = all(s, false);
+        // A ray leaves the value at the segment's start and meets levels in the order of value.
+        let rising = crossed.value[1].simd_gt(crossed.value[0]);
+        for (up, down) in self.levels.iter().zip(self.levels.iter().rev()) {
+            let level = rising.select(splat(s, up.value), splat(s, down.value));
+            let lanes = crossed.lanes & !done & self.between(crossed.value, level);
+            if !lanes.any_true() {
+                continue;
+            }
+            counter.see(lanes);
+            let distance = self.root(rays, crossed, level, lanes);
+            let index = rays.at(distance);
+            let gradient = self.field.gradients(s, index, level, lanes);
+            let base = xyz!(C => rising.select(splat(s, up.color[C]), splat(s, down.color[C])));
+            let color = match &self.surface {
+                Some(surface) => surface.shade(s, base, index, gradient, &met.to_eye, lanes),
+                None => base,
+            };
+            let opacity = rising.select(splat(s, up.opacity), splat(s, down.opacity));
+            let share = lanes.select((splat(s, 1.0) - met.color[3]) * opacity, splat(s, 0.0));
+            for channel in 0..3 {
+                let lit = lanes.select(color[channel], splat(s, 0.0));
+                met.color[channel] = share.mul_add(lit, met.color[channel]);
+            }
+            met.color[3] += share;
+            let first = lanes & met.depth.simd_eq(splat(s, f32::INFINITY));
+            let normal = normals(s, gradient).0;
+            let away = dot::<S>(normal, met.to_eye).simd_lt(splat(s, 0.0));
+            met.depth = first.select(distance, met.depth);
+            for axis in 0..3 {
+                let toward_eye = away.select(-normal[axis], normal[axis]);
+                met.normal[axis] = first.select(toward_eye, met.normal[axis]);
+            }
+            done |= lanes & met.color[3].simd_ge(splat(s, self.early_termination));
+        }
+        done
     }
 
     /// Where the field passes `level` between two distances whose values bracket it: regula falsi
-    /// with the Illinois rule, with bisection when it stalls, to [`ROOT_VOXELS`].
-    fn root(&self, span: &Span, Segment { t: [mut t0, mut t1], value }: Segment, level: f64) -> f64 {
-        let (mut f0, mut f1) = (value[0] - level, value[1] - level);
-        let tolerance = ROOT_VOXELS / span.index_direction().abs().max_element();
-        let mut kept = 0i32;
-        for round in 0..64 {
-            if t1 - t0 <= tolerance {
+    /// with the Illinois rule, with bisection when it stalls.
+    #[inline(always)]
+    fn root(&self, rays: &Rays<S>, crossed: &Crossed<S>, level: F32<S>, lanes: Mask<S>) -> F32<S> {
+        /// Width of the bracket, in voxels, at which a root is found.
+        const ROOT_VOXELS: f32 = 2e-5;
+        let (s, zero) = (self.s, splat(self.s, 0.0));
+        let [mut t0, mut t1] = crossed.distance;
+        let (mut f0, mut f1) = (crossed.value[0] - level, crossed.value[1] - level);
+        let [x, y, z] = xyz!(I => rays.direction[I].abs());
+        let tolerance = splat(s, ROOT_VOXELS) / x.max(y).max(z).max(splat(s, 1e-12));
+        let mut found = t0;
+        let mut open = lanes;
+        let (mut kept_left, mut kept_right) = (all(s, false), all(s, false));
+        for round in 0..32 {
+            let middle = (t0 + t1) * 0.5;
+            let secant = (t1 - t0).mul_add(f0 / (f0 - f1), t0);
+            // Never outside the bracket: rounding, or both ends on the level.
+            let inside = secant.simd_ge(t0) & secant.simd_le(t1);
+            let t = if round % 3 == 2 { middle } else { inside.select(secant, middle) };
+            found = open.select(t, found);
+            let f = self.field.values(s, rays.at(t), open) - level;
+            let same = f.simd_lt(zero);
+            let front = f0.simd_lt(zero);
+            let left = (same & front) | (!same & !front);
+            // An end that stays twice counts half, or it would stay for ever.
+            f1 = (left & kept_right).select(f1 * 0.5, f1);
+            f0 = (!left & kept_left).select(f0 * 0.5, f0);
+            (kept_right, kept_left) = (left, !left);
+            t0 = left.select(t, t0);
+            f0 = left.select(f, f0);
+            t1 = left.select(t1, t);
+            f1 = left.select(f1, f);
+            // An absent or exact value ends the search, too.
+            open &= (t1 - t0).simd_gt(tolerance) & f.simd_ne(zero) & f.is_finite();
+            if !open.any_true() {
                 break;
             }
-            let t = if round % 3 == 2 { (t0 + t1) / 2.0 } else { t0 + (t1 - t0) * (f0 / (f0 - f1)) };
-            let f = self.probe.value(span.index_at(t)) - level;
-            if f.is_nan() || f == 0.0 {
-                return t;
-            }
-            if (f < 0.0) == (f0 < 0.0) {
-                (t0, f0) = (t, f);
-                f1 = if kept == 1 { f1 / 2.0 } else { f1 };
-                kept = 1;
-            } else {
-                (t1, f1) = (t, f);
-                f0 = if kept == -1 { f0 / 2.0 } else { f0 };
-                kept = -1;
-            }
         }
-        (t0 + t1) / 2.0
+        found
     }
-}
-
-/// The normal on the side of a direction.
-fn toward(normal: DVec3, direction: DVec3) -> DVec3 {
-    if normal.dot(direction) < 0.0 { -normal } else { normal }
 }

@@ -1,23 +1,13 @@
-//! What a frame needs before its first ray: tables for this step, blocks, and the integrator of
-//! the mode.
+//! What a frame needs before its first ray: tables for this step, and blocks.
 
 use std::sync::Arc;
 
 use glam::DVec3;
-use pellucid_field::{Blocks, FieldError, Filter, Grid, Reconstruct, Sampler, Volume, spline_coefficients};
+use pellucid_field::{Blocks, FieldError, Filter, Grid, Volume, spline_coefficients};
 use pellucid_optics::{DataRange, PreIntegration, StepTable, Table, Visibility};
-use pellucid_scene::{Classification, Combine, Mode, RayCast, Region, Slice, Stage, StageVolume, Technique};
+use pellucid_scene::{Classification, Mode, RayCast, Region, Slice, Stage, StageVolume, Technique};
 
 use crate::RenderError;
-use crate::composite::{Composite, Medium, PreIntegrated};
-use crate::integrator::Integrator;
-use crate::isosurface::{Isosurfaces, Level};
-use crate::medium::{Post, Pre};
-use crate::probe::Probe;
-use crate::projection::{Additive, Average, Extreme, XRay};
-use crate::skip::{BlockMap, SkipGrid};
-use crate::slice::Plane;
-use crate::surface::Surface;
 
 /// What depends on the data alone and is kept from frame to frame.
 #[derive(Default)]
@@ -52,27 +42,41 @@ impl Cache {
 
 /// A volume and its optics, made ready for one stage.
 pub struct Prepared<'s> {
-    stage: &'s Stage,
-    volume: &'s StageVolume,
+    /// What is drawn.
+    pub stage: &'s Stage,
+    /// Its volume, with optics.
+    pub volume: &'s StageVolume,
     /// What the reconstruction reads: the volume, or its filter coefficients.
-    field: Arc<Volume>,
-    component: usize,
-    filter: Filter,
+    pub field: Arc<Volume>,
+    /// The component of `field` that is read.
+    pub component: usize,
+    /// How `field` is read.
+    pub filter: Filter,
     /// Where the field is neither clipped nor outside a slab.
     pub region: Region,
-    blocks: Option<Arc<Blocks>>,
-    table: Table,
-    step_table: StepTable,
-    visibility: Visibility,
-    preintegration: Option<PreIntegration>,
+    /// Blocks, where they bound what is sampled.
+    pub blocks: Option<Arc<Blocks>>,
+    /// Colour and opacity per unit distance.
+    pub table: Table,
+    /// Associated colour and opacity of one step.
+    pub step_table: StepTable,
+    /// Which values are visible.
+    pub visibility: Visibility,
+    /// Ray integrals of one step, if classification is pre-integrated.
+    pub preintegration: Option<PreIntegration>,
 }
 
 impl<'s> Prepared<'s> {
     /// Makes tables and blocks.
     ///
     /// # Errors
-    /// [`RenderError::Optics`] if the data's range cannot be tabulated.
+    /// [`RenderError::Optics`] if the data's range cannot be tabulated, [`RenderError::Steps`] if rays
+    /// are too many steps long.
     pub fn new(stage: &'s Stage, volume: &'s StageVolume, cache: &mut Cache) -> Result<Self, RenderError> {
+        let steps = longest(&volume.volume) / stage.step;
+        if !(steps < f64::from(MOST_STEPS)) {
+            return Err(RenderError::Steps { found: steps, limit: MOST_STEPS });
+        }
         let (field, component, filter) = match stage.quality.filter {
             Filter::BSpline { prefilter: true } => {
                 let coefficients = cache.coefficients(&volume.volume, volume.component)?;
@@ -112,93 +116,26 @@ impl<'s> Prepared<'s> {
         })
     }
 
-    /// The reconstruction of the field.
-    ///
-    /// # Errors
-    /// [`RenderError::Field`] if the filter's parameters are out of range.
-    pub fn sampler(&self) -> Result<Sampler<'_>, RenderError> {
-        Ok(Sampler::new(&self.field, self.component, self.filter)?)
-    }
-
     /// The grid all positions refer to.
     pub fn grid(&self) -> &Grid {
         self.volume.volume.grid()
     }
-
-    /// The integrator of the stage's mode over a reconstruction of `field`.
-    pub fn integrator<'a, R: Reconstruct + 'a>(&'a self, field: R) -> Box<dyn Integrator + 'a> {
-        let quality = &self.stage.quality;
-        let probe = Probe::new(field, self.grid(), &self.region, quality.gradient);
-        let early_termination = quality.early_termination;
-        match mode(self.stage) {
-            Mode::Composite => {
-                let skip = self.skip(|low, high| self.visibility.any_opacity(low, high));
-                let medium = Medium { probe, surface: self.surface(), skip, early_termination };
-                let table = &self.step_table;
-                match (quality.classification, &self.preintegration) {
-                    (Classification::PreIntegrated, Some(table)) => Box::new(PreIntegrated { medium, table }),
-                    (Classification::Pre, _) => {
-                        let (volume, component) = (&*self.volume.volume, self.volume.component);
-                        let classifier = Pre { table, volume, component, filter: quality.filter };
-                        Box::new(Composite { medium, classifier })
-                    }
-                    _ => Box::new(Composite { medium, classifier: Post { table } }),
-                }
-            }
-            Mode::Maximum => self.extreme(probe, false, false),
-            Mode::Minimum => self.extreme(probe, true, false),
-            Mode::Average => Box::new(Average { probe, table: &self.table, opaque: false }),
-            Mode::Additive => {
-                let skip = self.skip(|low, high| self.visibility.any_opacity(low, high));
-                let step_ratio = self.stage.step / self.volume.unit_distance();
-                Box::new(Additive { probe, table: &self.table, step_ratio, skip })
-            }
-            Mode::XRay => {
-                let skip = self.skip(|low, high| self.visibility.any_opacity(low, high));
-                Box::new(XRay { probe, table: &self.step_table, skip })
-            }
-            Mode::Isosurface(isosurface) => {
-                let tf = &self.volume.transfer_function;
-                let levels: Vec<Level> = isosurface.isovalues.iter().map(|iso| Level::new(iso, tf)).collect();
-                let skip = self.skip(|low, high| {
-                    levels.iter().any(|level| f64::from(low) <= level.value && level.value <= f64::from(high))
-                });
-                Box::new(Isosurfaces { probe, surface: self.surface(), levels, skip, early_termination })
-            }
-            Mode::Slice(slice) if slice.thickness == 0.0 => {
-                let (point, normal) = plane(self.stage, self.volume, slice);
-                Box::new(Plane { probe, table: &self.table, point, normal })
-            }
-            Mode::Slice(slice) => match slice.combine {
-                Combine::Maximum => self.extreme(probe, false, true),
-                Combine::Minimum => self.extreme(probe, true, true),
-                Combine::Average => Box::new(Average { probe, table: &self.table, opaque: true }),
-            },
-        }
-    }
-
-    fn extreme<'a, R: Reconstruct + 'a>(
-        &'a self,
-        probe: Probe<'a, R>,
-        minimum: bool,
-        opaque: bool,
-    ) -> Box<dyn Integrator + 'a> {
-        let skip = self.blocks.as_deref().map(BlockMap::new);
-        Box::new(Extreme { probe, table: &self.table, skip, minimum, opaque })
-    }
-
-    fn surface(&self) -> Option<Surface<'_>> {
-        let material = self.volume.material.as_ref()?;
-        let weight = self.volume.gradient_weight;
-        Some(Surface { material, weight, lights: &self.stage.lights, ambient: self.stage.ambient })
-    }
-
-    fn skip(&self, live: impl Fn(f32, f32) -> bool) -> Option<SkipGrid<'_>> {
-        self.blocks.as_deref().map(|blocks| SkipGrid::new(blocks, live))
-    }
 }
 
-fn mode(stage: &Stage) -> &Mode {
+/// Steps are numbered in `f32`, which counts to here without a gap.
+const MOST_STEPS: u32 = 1 << 24;
+
+/// The diagonal of a volume's box, in world units: no ray is longer inside.
+fn longest(volume: &Volume) -> f64 {
+    let grid = volume.grid();
+    let (low, high) = grid.index_bounds();
+    let corner = |signs: [f64; 3]| grid.world_from_index().transform_vector3((high - low) * DVec3::from_array(signs));
+    let diagonals = [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0]];
+    diagonals.map(|signs| corner(signs).length()).into_iter().fold(0.0, f64::max)
+}
+
+/// What is made of the samples.
+pub fn mode(stage: &Stage) -> &Mode {
     let Technique::RayCast(RayCast { mode }) = &stage.technique;
     mode
 }
@@ -224,7 +161,7 @@ fn region(stage: &Stage, volume: &StageVolume) -> Region {
 }
 
 /// A slice's point and unit normal, with their automatic values filled in.
-fn plane(stage: &Stage, volume: &StageVolume, slice: &Slice) -> (DVec3, DVec3) {
+pub fn plane(stage: &Stage, volume: &StageVolume, slice: &Slice) -> (DVec3, DVec3) {
     let point = slice.point.map_or_else(|| volume.volume.grid().center(), DVec3::from_array);
     let normal = slice.normal.map_or(-stage.viewpoint.forward, DVec3::from_array);
     (point, normal.normalize())

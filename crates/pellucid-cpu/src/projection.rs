@@ -1,168 +1,245 @@
 //! Projections: what a ray makes of its values without an order (1.4-10, 1.4-11).
 
-use pellucid_field::Reconstruct;
-use pellucid_optics::{StepTable, Table, correct_opacity, extinction};
-
-use crate::integrator::{Integrator, Tally, Traced};
-use crate::lattice::Lattice;
-use crate::probe::Probe;
-use crate::samples::each_sample;
-use crate::skip::{BlockMap, SkipGrid};
-use crate::span::Span;
+use crate::classify::Lookup;
+use crate::field::Field;
+use crate::integrator::{Counter, Integrator, Tally, Traced};
+use crate::lanes::*;
+use crate::packet::{Packet, Rays};
+use crate::samples::{RUN, each_sample};
+use crate::skip::{ExtremeGrid, SkipGrid};
 
 /// The largest or the smallest value.
-pub struct Extreme<'a, R> {
+pub struct Extreme<'a, S, F> {
+    /// The instruction set.
+    pub s: S,
     /// The field.
-    pub probe: Probe<'a, R>,
+    pub field: F,
     /// The transfer function, applied once to the extreme.
-    pub table: &'a Table,
+    pub table: Lookup<'a>,
     /// Blocks, if those that cannot change the extreme are leapt over.
-    pub skip: Option<BlockMap<'a>>,
+    pub skip: Option<ExtremeGrid>,
     /// Smallest instead of largest.
     pub minimum: bool,
     /// Opacity 1 wherever there is a value (slices) instead of the table's.
     pub opaque: bool,
 }
 
-impl<R: Reconstruct> Integrator for Extreme<'_, R> {
-    fn trace(&self, span: &Span, lattice: &Lattice, tally: &mut Tally) -> Traced {
-        let mut best = f64::NAN;
-        let mut depth = f64::INFINITY;
-        let mut k = 0;
-        while k < lattice.count {
-            let (dead, next) = self.skip.as_ref().map_or((false, lattice.count), |map| {
-                let (block, next) = map.run(span, lattice, k);
-                let dead = map.range(block).is_none_or(|[low, high]| {
-                    if self.minimum { best <= f64::from(low) } else { best >= f64::from(high) }
-                });
-                (dead, next)
-            });
-            if dead {
-                tally.skipped += (next - k) as u64;
-                k = next;
-                continue;
-            }
-            for k in k..next {
-                let t = lattice.sample(k);
-                tally.samples += 1;
-                let value = self.probe.value(span.index_at(t));
-                let better = if self.minimum { value < best } else { value > best };
-                if better || (best.is_nan() && !value.is_nan()) {
-                    best = value;
-                    depth = t;
+impl<S: Lanes, F: Field<S>> Integrator for Extreme<'_, S, F> {
+    fn width(&self) -> usize {
+        width::<S>()
+    }
+
+    fn trace(&self, packet: &Packet, traced: &mut Traced, tally: &mut Tally) {
+        let s = self.s;
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let rays = Rays::new(s, packet);
+                let mut counter = Counter::new(s);
+                // The smallest value is the largest with its sign turned.
+                let sign = if self.minimum { -1.0 } else { 1.0 };
+                let (mut best, mut depth) = (splat(s, f32::NEG_INFINITY), splat(s, f32::INFINITY));
+                let mut k = splat(s, 0.0);
+                while rays.has(k).any_true() {
+                    if let Some(skip) = &self.skip {
+                        let to = skip.leap(s, &rays, k, best);
+                        counter.skip(to.min(rays.count) - k);
+                        k = to;
+                    }
+                    for _ in 0..RUN {
+                        let lanes = rays.has(k);
+                        if !lanes.any_true() {
+                            break;
+                        }
+                        counter.sample(lanes);
+                        let distance = rays.sample(s, k);
+                        let value = self.field.values(s, rays.at(distance), lanes) * sign;
+                        let better = lanes & value.simd_gt(best);
+                        best = better.select(value, best);
+                        depth = better.select(distance, depth);
+                        k = lanes.select(k + 1.0, k);
+                    }
                 }
-            }
-            k = next;
-        }
-        classified(self.table, best, depth, self.opaque, tally)
+                let value = best.is_finite().select(best * sign, splat(s, f32::NAN));
+                classified(s, &self.table, value, depth, self.opaque, traced, &mut counter);
+                counter.finish(traced, tally);
+            },
+        );
     }
 }
 
 /// The mean value.
-pub struct Average<'a, R> {
+pub struct Average<'a, S, F> {
+    /// The instruction set.
+    pub s: S,
     /// The field.
-    pub probe: Probe<'a, R>,
+    pub field: F,
     /// The transfer function, applied once to the mean.
-    pub table: &'a Table,
+    pub table: Lookup<'a>,
     /// Opacity 1 wherever there is a value (slices) instead of the table's.
     pub opaque: bool,
 }
 
-impl<R: Reconstruct> Integrator for Average<'_, R> {
-    fn trace(&self, span: &Span, lattice: &Lattice, tally: &mut Tally) -> Traced {
-        let (mut sum, mut length) = (0.0, 0.0);
-        for k in 0..lattice.count {
-            tally.samples += 1;
-            let value = self.probe.value(span.index_at(lattice.sample(k)));
-            if !value.is_nan() {
-                sum += value * lattice.ratio(k);
-                length += lattice.ratio(k);
-            }
-        }
-        // An empty ray divides zero by zero: NaN, which is absent.
-        classified(self.table, sum / length, f64::INFINITY, self.opaque, tally)
+impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
+    fn width(&self) -> usize {
+        width::<S>()
+    }
+
+    fn trace(&self, packet: &Packet, traced: &mut Traced, tally: &mut Tally) {
+        let s = self.s;
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let rays = Rays::new(s, packet);
+                let mut counter = Counter::new(s);
+                let (mut sum, mut length) = (splat(s, 0.0), splat(s, 0.0));
+                each_sample(
+                    s,
+                    &rays,
+                    None,
+                    &mut counter,
+                    #[inline(always)]
+                    |sample, _| {
+                        let value = self.field.values(s, sample.index, sample.lanes);
+                        let present = sample.lanes & value.is_finite();
+                        sum = present.select(value.mul_add(sample.ratio, sum), sum);
+                        length = present.select(length + sample.ratio, length);
+                        all(s, false)
+                    },
+                );
+                // An empty ray divides zero by zero: NaN, which is absent.
+                let nowhere = splat(s, f32::INFINITY);
+                classified(s, &self.table, sum / length, nowhere, self.opaque, traced, &mut counter);
+                counter.finish(traced, tally);
+            },
+        );
     }
 }
 
-/// Colour and opacity of one value for a whole ray; opacity is not corrected for any length.
-pub fn classified(table: &Table, value: f64, depth: f64, opaque: bool, tally: &mut Tally) -> Traced {
-    if value.is_nan() {
-        return Traced::NOTHING;
-    }
-    tally.visible += 1;
-    let [r, g, b, a] = table.lookup(value as f32);
-    let a = if opaque { 1.0 } else { a };
-    Traced { color: [r * a, g * a, b * a, a], depth, ..Traced::NOTHING }
+/// Writes down colour and opacity of one value for a whole ray; opacity is not corrected for any
+/// length.
+#[inline(always)]
+pub fn classified<S: Lanes>(
+    s: S,
+    table: &Lookup,
+    value: F32<S>,
+    depth: F32<S>,
+    opaque: bool,
+    traced: &mut Traced,
+    counter: &mut Counter<S>,
+) {
+    let present = value.is_finite();
+    counter.see(present);
+    let [r, g, b, a] = table.lookup(s, value);
+    let a = if opaque { present.select(splat(s, 1.0), splat(s, 0.0)) } else { a };
+    traced.set_color::<S>([r * a, g * a, b * a, a]);
+    traced.set_surface(s, present, depth, [splat(s, 0.0); 3]);
 }
 
 /// Emission without absorption (1.2-7, model 2): the medium of the transfer function gives its
 /// light `q = kappa c` and takes none away. The picture adds to what is behind it.
-pub struct Additive<'a, R> {
+pub struct Additive<'a, S, F> {
+    /// The instruction set.
+    pub s: S,
     /// The field.
-    pub probe: Probe<'a, R>,
+    pub field: F,
     /// Colour and opacity per unit distance.
-    pub table: &'a Table,
+    pub table: Lookup<'a>,
     /// Step in unit distances.
-    pub step_ratio: f64,
+    pub step_ratio: f32,
     /// Blocks that can contribute, if empty space is skipped.
-    pub skip: Option<SkipGrid<'a>>,
+    pub skip: Option<SkipGrid>,
 }
 
-impl<R: Reconstruct> Integrator for Additive<'_, R> {
-    fn trace(&self, span: &Span, lattice: &Lattice, tally: &mut Tally) -> Traced {
+impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
+    fn width(&self) -> usize {
+        width::<S>()
+    }
+
+    fn trace(&self, packet: &Packet, traced: &mut Traced, tally: &mut Tally) {
         /// Opacity 1 would shine infinitely; this one emits 9.2 times its colour per unit distance.
-        const BRIGHTEST: f64 = 0.9999;
-        let mut sum = [0.0f64; 3];
-        each_visible(&self.probe, self.skip.as_ref(), span, lattice, tally, |value, ratio| {
-            let [r, g, b, a] = self.table.lookup(value as f32);
-            let length = extinction(f64::from(a).min(BRIGHTEST), 1.0) * self.step_ratio * ratio;
-            for (sum, c) in sum.iter_mut().zip([r, g, b]) {
-                *sum += f64::from(c) * length;
-            }
-            a > 0.0
-        });
-        let [r, g, b] = sum.map(|c| c as f32);
-        Traced { color: [r, g, b, 0.0], ..Traced::NOTHING }
+        const BRIGHTEST: f32 = 0.9999;
+        let s = self.s;
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let rays = Rays::new(s, packet);
+                let mut counter = Counter::new(s);
+                let mut sum = [splat(s, 0.0); 3];
+                each_sample(
+                    s,
+                    &rays,
+                    self.skip.as_ref(),
+                    &mut counter,
+                    #[inline(always)]
+                    |sample, counter| {
+                        let value = self.field.values(s, sample.index, sample.lanes);
+                        let [r, g, b, a] = self.table.lookup(s, value);
+                        let visible = sample.lanes & a.simd_gt(splat(s, 0.0));
+                        counter.see(visible);
+                        let depth = extinction(s, a.min(splat(s, BRIGHTEST))) * sample.ratio * self.step_ratio;
+                        let depth = visible.select(depth, splat(s, 0.0));
+                        for (sum, channel) in sum.iter_mut().zip([r, g, b]) {
+                            *sum = channel.mul_add(depth, *sum);
+                        }
+                        all(s, false)
+                    },
+                );
+                let [r, g, b] = sum;
+                traced.set_color::<S>([r, g, b, splat(s, 0.0)]);
+                counter.finish(traced, tally);
+            },
+        );
     }
 }
 
 /// A radiograph (1.2-7, model 1; 1.4-11): the share of light held back, in white.
-pub struct XRay<'a, R> {
+pub struct XRay<'a, S, F> {
+    /// The instruction set.
+    pub s: S,
     /// The field.
-    pub probe: Probe<'a, R>,
+    pub field: F,
     /// Opacity of one step.
-    pub table: &'a StepTable,
+    pub table: Lookup<'a>,
     /// Blocks that can contribute, if empty space is skipped.
-    pub skip: Option<SkipGrid<'a>>,
+    pub skip: Option<SkipGrid>,
 }
 
-impl<R: Reconstruct> Integrator for XRay<'_, R> {
-    fn trace(&self, span: &Span, lattice: &Lattice, tally: &mut Tally) -> Traced {
-        let mut through = 1.0f32;
-        each_visible(&self.probe, self.skip.as_ref(), span, lattice, tally, |value, ratio| {
-            let alpha = self.table.lookup(value as f32)[3];
-            through *= 1.0 - correct_opacity(alpha, ratio as f32);
-            alpha > 0.0
-        });
-        Traced { color: [1.0 - through; 4], ..Traced::NOTHING }
+impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
+    fn width(&self) -> usize {
+        width::<S>()
     }
-}
 
-/// Visits the present samples of blocks that can contribute, with their length in steps; the
-/// visitor says whether the sample added anything.
-fn each_visible<R: Reconstruct>(
-    probe: &Probe<R>,
-    skip: Option<&SkipGrid>,
-    span: &Span,
-    lattice: &Lattice,
-    tally: &mut Tally,
-    mut visit: impl FnMut(f64, f64) -> bool,
-) {
-    each_sample(skip, span, lattice, tally, |k, t, tally| {
-        let value = probe.value(span.index_at(t));
-        if !value.is_nan() && visit(value, lattice.ratio(k)) {
-            tally.visible += 1;
-        }
-        false
-    });
+    fn trace(&self, packet: &Packet, traced: &mut Traced, tally: &mut Tally) {
+        let s = self.s;
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let rays = Rays::new(s, packet);
+                let mut counter = Counter::new(s);
+                let mut through = splat(s, 1.0);
+                each_sample(
+                    s,
+                    &rays,
+                    self.skip.as_ref(),
+                    &mut counter,
+                    #[inline(always)]
+                    |sample, counter| {
+                        let value = self.field.values(s, sample.index, sample.lanes);
+                        let mut alpha = self.table.lookup(s, value)[3];
+                        let visible = sample.lanes & alpha.simd_gt(splat(s, 0.0));
+                        counter.see(visible);
+                        if sample.shortened {
+                            let corrected = opacity_over(s, alpha, sample.ratio);
+                            alpha = sample.ratio.simd_lt(splat(s, 1.0)).select(corrected, alpha);
+                        }
+                        through = visible.select(through - through * alpha, through);
+                        all(s, false)
+                    },
+                );
+                traced.set_color::<S>([splat(s, 1.0) - through; 4]);
+                counter.finish(traced, tally);
+            },
+        );
+    }
 }

@@ -2,30 +2,33 @@
 
 use std::time::Instant;
 
-use pellucid_field::{ComponentView, Filter, Linear, Reconstruct, for_voxels, with_reconstruction};
-use pellucid_scene::{Control, Frame, Jitter, RenderWarning, Stage, blue_noise};
+use pellucid_scene::{Control, Frame, FrameStatistics, Jitter, RenderWarning, Stage, blue_noise};
 
 use crate::RenderError;
-use crate::integrator::{Integrator, Tally, Traced};
+use crate::integrator::{Integrator, Traced};
+use crate::lanes::InstructionSet;
 use crate::lattice::Lattice;
+use crate::packet::Packet;
 use crate::prepare::{Cache, Prepared};
 use crate::span::Span;
-use crate::tiles::{TILE, Tile, draw, tiles};
+use crate::tiles::{TILE, Tile, Tiles};
 
 /// The CPU backend. Keep one for several frames: what depends on the data alone (blocks, filter
-/// coefficients) is made once.
+/// coefficients) is made once, and memory is used again.
 #[derive(Default)]
 pub struct CpuRenderer {
     pool: Option<rayon::ThreadPool>,
+    instructions: InstructionSet,
     tile: Option<usize>,
     cache: Cache,
+    tiles: Tiles,
 }
 
 impl CpuRenderer {
     /// The most threads of a renderer of its own. Systems hang rather than refuse far beyond.
     pub const MOST_THREADS: usize = 1024;
 
-    /// A renderer on all cores.
+    /// A renderer on all cores, with the best instructions of the machine.
     pub fn new() -> Self {
         Self::default()
     }
@@ -54,103 +57,90 @@ impl CpuRenderer {
         self
     }
 
+    /// The same renderer with other instructions. The picture depends on them by roundings only.
+    ///
+    /// # Errors
+    /// [`RenderError::Instructions`] if the machine lacks them.
+    pub fn with_instructions(mut self, set: InstructionSet) -> Result<Self, RenderError> {
+        self.instructions = set.resolve().ok_or(RenderError::Instructions { set })?;
+        Ok(self)
+    }
+
+    /// The instructions that are used; never [`InstructionSet::Auto`].
+    pub fn instructions(&self) -> InstructionSet {
+        self.instructions.resolve().unwrap_or(InstructionSet::Baseline)
+    }
+
     /// Draws a frame.
     ///
     /// # Errors
     /// [`RenderError`]; nothing of an unfinished frame is returned.
     pub fn render(&mut self, stage: &Stage, control: &Control) -> Result<Frame, RenderError> {
-        let Self { pool, tile, cache } = self;
-        let side = tile.unwrap_or(TILE);
+        let mut frame = Frame::default();
+        self.render_into(stage, control, &mut frame)?;
+        Ok(frame)
+    }
+
+    /// Draws a frame into one that is there; nothing is allocated if it has the right size.
+    ///
+    /// # Errors
+    /// [`RenderError`]; the frame is then what it was before.
+    pub fn render_into(&mut self, stage: &Stage, control: &Control, frame: &mut Frame) -> Result<(), RenderError> {
+        let set = self.instructions();
+        let Self { pool, tile, cache, tiles, .. } = self;
+        tiles.cover(stage.viewpoint.width, stage.viewpoint.height, tile.unwrap_or(TILE));
         match pool {
-            Some(pool) => pool.install(|| render(stage, control, side, cache)),
-            None => render(stage, control, side, cache),
+            Some(pool) => pool.install(|| render(stage, control, set, cache, tiles, frame)),
+            None => render(stage, control, set, cache, tiles, frame),
         }
     }
 }
 
-fn render(stage: &Stage, control: &Control, side: usize, cache: &mut Cache) -> Result<Frame, RenderError> {
+fn render(
+    stage: &Stage,
+    control: &Control,
+    set: InstructionSet,
+    cache: &mut Cache,
+    tiles: &mut Tiles,
+    frame: &mut Frame,
+) -> Result<(), RenderError> {
     let [volume] = stage.volumes.as_slice() else {
         return Err(RenderError::Volumes { found: stage.volumes.len() });
     };
     let started = Instant::now();
     let prepared = Prepared::new(stage, volume, cache)?;
-    let sampler = prepared.sampler()?;
-    // Trilinear interpolation of every voxel type is compiled into the loops of every mode. Other
-    // filters cost so much per sample that a virtual call each does not show.
-    let (mut frame, drawing) = match sampler.filter() {
-        Filter::Linear => for_voxels!(sampler.source().voxels(), data => {
-            let view = ComponentView::new(sampler.source(), data, sampler.component());
-            cast(stage, &prepared, Linear(view), control, side)?
-        }),
-        _ => with_reconstruction!(&sampler, field => {
-            cast(stage, &prepared, &field as &dyn Reconstruct, control, side)?
-        }),
-    };
-    frame.statistics.setup_seconds = (drawing - started).as_secs_f64();
-    frame.statistics.render_seconds = drawing.elapsed().as_secs_f64();
-    if frame.statistics.samples_visible == 0 {
-        frame.warnings.push(RenderWarning::Empty { reason: why_empty(&frame) });
+    let integrator = prepared.integrator(set)?;
+    let drawing = Instant::now();
+    tiles.draw(control, |tile| draw_tile(stage, &prepared, integrator.as_ref(), control, tile))?;
+    let view = &stage.viewpoint;
+    if (frame.width, frame.height) != (view.width, view.height) {
+        *frame = Frame::new(view.width, view.height);
     }
-    Ok(frame)
+    tiles.assemble(frame);
+    let (tally, rays_hit) = tiles.total();
+    frame.statistics = FrameStatistics {
+        rays: (view.width * view.height) as u64 * u64::from(stage.quality.supersampling).pow(2),
+        rays_hit,
+        rays_terminated: tally.terminated,
+        samples: tally.samples,
+        samples_visible: tally.visible,
+        samples_skipped: tally.skipped,
+        setup_seconds: (drawing - started).as_secs_f64(),
+        render_seconds: drawing.elapsed().as_secs_f64(),
+    };
+    frame.warnings.clear();
+    if tally.visible == 0 {
+        frame.warnings.push(RenderWarning::Empty { reason: why_empty(rays_hit) });
+    }
+    Ok(())
 }
 
-fn why_empty(frame: &Frame) -> String {
-    if frame.statistics.rays_hit == 0 {
+fn why_empty(rays_hit: u64) -> String {
+    if rays_hit == 0 {
         "no ray meets the volume; look at the camera and the clips".to_owned()
     } else {
         "the rays meet the volume but no sample has opacity; look at the transfer function and the window".to_owned()
     }
-}
-
-/// One tile's pixels, row by row, and its counts.
-struct Drawn {
-    pixels: Vec<(Traced, u32)>,
-    tally: Tally,
-    hit: u64,
-}
-
-fn cast<R: Reconstruct>(
-    stage: &Stage,
-    prepared: &Prepared,
-    field: R,
-    control: &Control,
-    side: usize,
-) -> Result<(Frame, Instant), RenderError> {
-    let integrator = prepared.integrator(field);
-    let drawing = Instant::now();
-    Ok((cast_rays(stage, prepared, integrator.as_ref(), control, side)?, drawing))
-}
-
-fn cast_rays(
-    stage: &Stage,
-    prepared: &Prepared,
-    integrator: &dyn Integrator,
-    control: &Control,
-    side: usize,
-) -> Result<Frame, RenderError> {
-    let view = &stage.viewpoint;
-    let all = tiles(view.width, view.height, side);
-    let drawn = draw(&all, control, |tile| draw_tile(stage, prepared, integrator, control, tile))?;
-    let mut frame = Frame::new(view.width, view.height);
-    let mut tally = Tally::default();
-    for (tile, drawn) in all.iter().zip(drawn) {
-        for ((x, y), (traced, samples)) in tile.pixels().zip(drawn.pixels) {
-            let pixel = y * view.width + x;
-            frame.color[pixel] = traced.color;
-            frame.depth[pixel] = traced.depth as f32;
-            frame.normal[pixel] = traced.normal.as_vec3().to_array();
-            frame.samples[pixel] = samples;
-        }
-        tally.add(&drawn.tally);
-        frame.statistics.rays_hit += drawn.hit;
-    }
-    let per_pixel = u64::from(stage.quality.supersampling).pow(2);
-    frame.statistics.rays = (view.width * view.height) as u64 * per_pixel;
-    frame.statistics.rays_terminated = tally.terminated;
-    frame.statistics.samples = tally.samples;
-    frame.statistics.samples_visible = tally.visible;
-    frame.statistics.samples_skipped = tally.skipped;
-    Ok(frame)
 }
 
 fn draw_tile(
@@ -158,35 +148,49 @@ fn draw_tile(
     prepared: &Prepared,
     integrator: &dyn Integrator,
     control: &Control,
-    tile: Tile,
-) -> Result<Drawn, RenderError> {
+    tile: &mut Tile,
+) -> Result<(), RenderError> {
+    let lanes = integrator.width();
+    // As square as can be: rays close to each other read the same voxels.
+    let columns = 1 << lanes.ilog2().div_ceil(2);
+    let rows = lanes / columns;
     let n = stage.quality.supersampling as usize;
     let weight = 1.0 / (n * n) as f32;
-    let mut drawn = Drawn { pixels: Vec::with_capacity(tile.width * tile.height), tally: Tally::default(), hit: 0 };
-    for (x, y) in tile.pixels() {
-        let before = drawn.tally.samples;
-        let mut pixel = Traced::NOTHING;
+    let mut packet = Packet::NOTHING;
+    let (width, height) = (tile.width, tile.height);
+    for (top, left) in (0..height).step_by(rows).flat_map(|y| (0..width).step_by(columns).map(move |x| (y, x))) {
         for sub in 0..n * n {
             if control.is_cancelled() {
                 return Err(RenderError::Cancelled);
             }
-            let inside = |cell: usize| (cell as f64 + 0.5) / n as f64;
-            let ray = stage.viewpoint.ray(x as f64 + inside(sub % n), y as f64 + inside(sub / n));
-            let Some(span) = Span::new(&ray, prepared.grid(), &prepared.region) else { continue };
-            drawn.hit += 1;
-            let lattice = Lattice::new(&span, stage.step, jitter(stage, x, y, sub));
-            let traced = integrator.trace(&span, &lattice, &mut drawn.tally);
-            for channel in 0..4 {
-                pixel.color[channel] += traced.color[channel] * weight;
+            let place = |lane: usize| (left + lane % columns, top + lane / columns);
+            let mut hit = 0;
+            for lane in 0..lanes {
+                packet.clear(lane);
+                let (x, y) = place(lane);
+                if x >= width || y >= height {
+                    continue;
+                }
+                let (x, y) = (tile.x + x, tile.y + y);
+                let inside = |cell: usize| (cell as f64 + 0.5) / n as f64;
+                let ray = stage.viewpoint.ray(x as f64 + inside(sub % n), y as f64 + inside(sub / n));
+                let Some(span) = Span::new(&ray, prepared.grid(), &prepared.region) else { continue };
+                packet.set(lane, &span, &Lattice::new(&span, stage.step, jitter(stage, x, y, sub)));
+                hit += 1;
             }
-            if traced.depth < pixel.depth {
-                pixel.depth = traced.depth;
-                pixel.normal = traced.normal;
+            if hit == 0 {
+                continue;
+            }
+            tile.hit += hit;
+            let mut traced = Traced::NOTHING;
+            integrator.trace(&packet, &mut traced, &mut tile.tally);
+            for lane in (0..lanes).filter(|&lane| packet.count[lane] > 0.0) {
+                let (x, y) = place(lane);
+                tile.add(x, y, lane, weight, &packet, &traced, stage.step);
             }
         }
-        drawn.pixels.push((pixel, (drawn.tally.samples - before) as u32));
     }
-    Ok(drawn)
+    Ok(())
 }
 
 /// Where in its first step a ray starts, `[0, 1)`. The rays of one pixel differ by the golden

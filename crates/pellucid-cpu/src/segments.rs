@@ -1,58 +1,105 @@
 //! The walk over segments between the nodes of a lattice, for modes that look at pairs of values.
 
-use pellucid_field::Reconstruct;
+use crate::field::Field;
+use crate::integrator::Counter;
+use crate::lanes::*;
+use crate::packet::Rays;
+use crate::samples::RUN;
+use crate::skip::{Leap, SkipGrid};
 
-use crate::integrator::Tally;
-use crate::lattice::Lattice;
-use crate::probe::Probe;
-use crate::skip::SkipGrid;
-use crate::span::Span;
-
-/// A piece of a ray between two nodes.
-#[derive(Clone, Copy, Debug)]
-pub struct Segment {
-    /// Distances of its ends.
-    pub t: [f64; 2],
+/// A piece of a ray between two nodes, in every lane.
+pub struct Segment<S: Lanes> {
+    /// Distances of its ends from the entry, in steps.
+    pub distance: [F32<S>; 2],
+    /// Its length in steps: exactly 1 between two samples.
+    pub length: F32<S>,
     /// Data values at its ends; NaN where absent.
-    pub value: [f64; 2],
+    pub value: [F32<S>; 2],
+    /// Lanes that have this segment.
+    pub lanes: Mask<S>,
 }
 
-/// Visits the segments that can contribute, nearest first, until the visitor says that the ray is
-/// done. The value at a segment's end is carried over to the next: one fetch a segment (4.6-7).
+/// What becomes of rays after a segment.
+pub struct Verdict<S: Lanes> {
+    /// Rays that are done.
+    pub done: Mask<S>,
+    /// Rays that wait with this segment until all others do, too.
+    pub wait: Mask<S>,
+}
+
+/// What is done with segments.
+pub trait Visit<S: Lanes> {
+    /// Looks at the next segment of every ray.
+    fn visit(&mut self, segment: &Segment<S>, counter: &mut Counter<S>) -> Verdict<S>;
+
+    /// Called when every ray has ended or waits; returns the rays that are done.
+    fn resume(&mut self, s: S, _: &mut Counter<S>) -> Mask<S> {
+        all(s, false)
+    }
+}
+
+/// Visits the segments that can contribute, nearest first. The value at a segment's end is carried
+/// over to the next: one fetch a segment (4.6-7).
 #[inline(always)]
-pub fn each_segment<R: Reconstruct>(
-    probe: &Probe<R>,
+pub fn each_segment<S: Lanes, F: Field<S>>(
+    s: S,
+    field: &F,
+    rays: &Rays<S>,
     skip: Option<&SkipGrid>,
-    span: &Span,
-    lattice: &Lattice,
-    tally: &mut Tally,
-    mut visit: impl FnMut(Segment, &mut Tally) -> bool,
+    counter: &mut Counter<S>,
+    visitor: &mut impl Visit<S>,
 ) {
-    let last = lattice.count + 1;
-    let mut carried = None;
-    let mut n = 1;
-    while n <= last {
-        let (live, next) = skip.map_or((true, last + 1), |skip| skip.run_of_segments(span, lattice, n));
-        if !live {
-            tally.skipped += (next - n) as u64;
-            n = next;
-            carried = None;
-            continue;
+    let nothing = splat(s, 0.0);
+    // The node in front of the segment; the last segment starts at node `count`.
+    let mut n = nothing;
+    let mut open = rays.count.simd_gt(nothing);
+    let mut waiting = all(s, false);
+    let mut front = splat(s, f32::NAN);
+    let mut carried = false;
+    loop {
+        if let Some(skip) = skip {
+            let to = skip.leap(s, rays, n, open, Leap::Segments);
+            counter.skip(to.min(rays.count) - n);
+            carried &= to.simd_eq(n).all_true();
+            n = to;
         }
-        for n in n..next {
-            let t = [lattice.node(n - 1, span.exit), lattice.node(n, span.exit)];
-            let front = carried.unwrap_or_else(|| {
-                tally.samples += 1;
-                probe.value(span.index_at(t[0]))
-            });
-            tally.samples += 1;
-            let back = probe.value(span.index_at(t[1]));
-            carried = Some(back);
-            if visit(Segment { t, value: [front, back] }, tally) {
-                tally.terminated += 1;
+        if !carried {
+            front = field.values(s, rays.at(rays.node(s, n)), open);
+            counter.sample(open & rays.has_node(n));
+            carried = true;
+        }
+        let mut distance = rays.node(s, n);
+        for _ in 0..RUN {
+            open &= rays.has_node(n);
+            if !open.any_true() {
+                break;
+            }
+            let end = rays.node(s, n + 1.0);
+            let back = field.values(s, rays.at(end), open);
+            counter.sample(open);
+            let segment = Segment {
+                distance: [distance, end],
+                length: rays.segment_length(s, n),
+                value: [front, back],
+                lanes: open,
+            };
+            let Verdict { done, wait } = visitor.visit(&segment, counter);
+            // Rays that wait stay where they will go on.
+            n = open.select(n + 1.0, n);
+            (front, distance) = (back, end);
+            counter.terminate(done & open);
+            waiting |= wait & open;
+            open &= !(done | wait);
+        }
+        if !open.any_true() {
+            if !waiting.any_true() {
                 return;
             }
+            let done = visitor.resume(s, counter) & waiting;
+            counter.terminate(done);
+            open = waiting & !done;
+            waiting = all(s, false);
+            carried = false;
         }
-        n = next;
     }
 }

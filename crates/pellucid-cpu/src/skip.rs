@@ -3,98 +3,184 @@
 //! Leaps go from lattice sample to lattice sample and only over samples that add exactly nothing,
 //! so the picture is the same to the bit with skipping on and off.
 
-use glam::DVec3;
 use pellucid_field::Blocks;
 
-use crate::lattice::Lattice;
-use crate::span::Span;
+use crate::distance::distances;
+use crate::lanes::*;
+use crate::packet::Rays;
 
-/// The blocks of a volume as a ray sees them.
-pub struct BlockMap<'a> {
-    ranges: &'a [[f32; 2]],
-    size: f64,
+/// Where the blocks of a volume are.
+#[derive(Clone, Copy)]
+struct Layout {
     dims: [usize; 3],
+    size: f32,
+    /// The last position along each axis that lies in a block.
+    last: [f32; 3],
 }
 
-impl<'a> BlockMap<'a> {
-    /// A map over min-max blocks.
-    pub fn new(blocks: &'a Blocks) -> Self {
-        Self { ranges: blocks.ranges(), size: blocks.size() as f64, dims: blocks.dims() }
+/// Blocks as lanes meet them.
+struct Met<S: Lanes> {
+    /// Block coordinates.
+    block: [I32<S>; 3],
+    /// Number of the block.
+    number: I32<S>,
+}
+
+impl Layout {
+    fn new(blocks: &Blocks) -> Self {
+        let (dims, size) = (blocks.dims(), blocks.size());
+        debug_assert!(size.is_power_of_two(), "or products with its inverse are rounded");
+        Self { dims, size: size as f32, last: dims.map(|n| ((n * size) as f32).next_down()) }
     }
 
-    /// Value range of a block; `None` if it is wholly absent.
+    /// The block that holds the cell of a position.
     #[inline(always)]
-    pub fn range(&self, block: usize) -> Option<[f32; 2]> {
-        Some(self.ranges[block]).filter(|range| *range != Blocks::ABSENT)
+    fn meet<S: Lanes>(&self, s: S, p: &Vec3<S>) -> Met<S> {
+        let block = xyz!(I => {
+            let inside = p[I].max(splat(s, 0.0)).min(splat(s, self.last[I]));
+            // Whole cells, so that the block is the one of the voxels that are read.
+            (inside.trunc() * (1.0 / self.size)).to_int::<I32<S>>()
+        });
+        let [nx, ny] = [self.dims[0] as i32, self.dims[1] as i32];
+        let number = block[0] + (block[1] + block[2] * ny) * nx;
+        Met { block, number }
     }
 
-    /// The block of lattice sample k, and the first sample after k that may lie in another.
+    /// Steps from a position to the surface of the cube around its block that reaches `reach`
+    /// blocks to every side, its own included: a little short of it, so that rounding never
+    /// leaps over a sample beyond.
     #[inline(always)]
-    pub fn run(&self, span: &Span, lattice: &Lattice, k: usize) -> (usize, usize) {
-        let (block, until) = self.stay(span, lattice.sample(k));
-        (block, lattice.first_at(until).max(k + 1))
-    }
-
-    /// The block at distance t, and the distance up to which the ray surely stays in it.
-    #[inline(always)]
-    fn stay(&self, span: &Span, t: f64) -> (usize, f64) {
-        let index = span.index_at(t);
-        let block: [usize; 3] =
-            std::array::from_fn(|axis| ((index[axis].max(0.0) / self.size) as i64 as usize).min(self.dims[axis] - 1));
-        let until = t + self.leave(index, block, span.index_direction());
-        (block[0] + self.dims[0] * (block[1] + self.dims[1] * block[2]), until)
-    }
-
-    /// Distance from a position to the border of its block, a little short of it so that rounding
-    /// never leaps over a sample of the next block.
-    fn leave(&self, index: DVec3, block: [usize; 3], direction: DVec3) -> f64 {
-        const MARGIN: f64 = 1e-6;
-        let mut nearest = f64::INFINITY;
+    fn leave<S: Lanes>(&self, s: S, p: &Vec3<S>, met: &Met<S>, reach: F32<S>, inverse: &Vec3<S>) -> F32<S> {
+        const MARGIN: f32 = 2e-3;
+        let size = splat(s, self.size);
+        let mut nearest = splat(s, f32::INFINITY);
         for axis in 0..3 {
-            let d = direction[axis];
-            let last = block[axis] + 1 == self.dims[axis];
-            let border = if d > 0.0 && !last {
-                (block[axis] + 1) as f64 * self.size - MARGIN
-            } else if d < 0.0 && block[axis] > 0 {
-                block[axis] as f64 * self.size + MARGIN
-            } else {
-                continue;
-            };
-            nearest = nearest.min((border - index[axis]) / d);
+            let block = met.block[axis].to_float::<F32<S>>();
+            let high = (block + reach).mul_add(size, splat(s, -MARGIN));
+            let low = (block - reach + 1.0).mul_add(size, splat(s, MARGIN));
+            let border = inverse[axis].simd_gt(splat(s, 0.0)).select(high, low);
+            nearest = nearest.min((border - p[axis]) * inverse[axis]);
         }
-        nearest.max(0.0)
+        nearest
     }
 }
 
-/// The blocks of a volume, and which of them can contribute at all.
-pub struct SkipGrid<'a> {
-    map: BlockMap<'a>,
-    live: Vec<bool>,
+/// One over the direction of rays; very large along axes that they do not move on.
+#[inline(always)]
+fn inverse<S: Lanes>(s: S, rays: &Rays<S>) -> Vec3<S> {
+    xyz!(I => {
+        let slow = rays.direction[I].abs().simd_lt(splat(s, 1e-12));
+        splat(s, 1.0) / slow.select(splat(s, 1e-12), rays.direction[I])
+    })
 }
 
-impl<'a> SkipGrid<'a> {
+/// The blocks of a volume, and how far each is from one that can contribute.
+pub struct SkipGrid {
+    layout: Layout,
+    /// With room to read a word at the last one.
+    distance: Vec<u8>,
+}
+
+impl SkipGrid {
     /// Blocks whose value range satisfies `live` can contribute; wholly absent ones never do.
-    pub fn new(blocks: &'a Blocks, live: impl Fn(f32, f32) -> bool) -> Self {
-        let map = BlockMap::new(blocks);
-        let flag = |block| map.range(block).is_some_and(|[low, high]| live(low, high));
-        let live = (0..map.ranges.len()).map(flag).collect();
-        Self { map, live }
+    pub fn new(blocks: &Blocks, live: impl Fn(f32, f32) -> bool) -> Self {
+        let ranges = blocks.ranges();
+        let mut distance = distances(blocks.dims(), |block| {
+            let range = ranges[block];
+            range != Blocks::ABSENT && {
+                let [low, high] = widened(range);
+                live(low, high)
+            }
+        });
+        distance.extend([0; 3]);
+        Self { layout: Layout::new(blocks), distance }
     }
 
-    /// Whether sample k may contribute, and the first sample after it that may lie in another block.
     #[inline(always)]
-    pub fn run(&self, span: &Span, lattice: &Lattice, k: usize) -> (bool, usize) {
-        let (block, next) = self.map.run(span, lattice, k);
-        (self.live[block], next)
+    fn distance<S: Lanes>(&self, s: S, met: &Met<S>) -> F32<S> {
+        // SAFETY: `meet` limits positions to the grid, every cell of which has its block; three
+        // more bytes follow the last.
+        let words = unsafe { s.gather::<1>(self.distance.as_ptr(), met.number) };
+        let words: I32<S> = words.bitcast();
+        (words & 0xff).to_float()
     }
 
-    /// Whether segment n between nodes may contribute, and the first segment after it that may
-    /// differ. A segment that crosses from block to block always may contribute.
+    /// The first sample or node from number k on, in every open lane, that may contribute, or one
+    /// beyond the last.
     #[inline(always)]
-    pub fn run_of_segments(&self, span: &Span, lattice: &Lattice, n: usize) -> (bool, usize) {
-        let (block, until) = self.map.stay(span, lattice.node(n - 1, span.exit));
-        // Sample s is node s + 1; nodes up to s lie inside the block, and so do segments up to s.
-        let next = lattice.first_at(until) + 1;
-        (self.live[block] || next <= n, next.max(n + 1))
+    pub fn leap<S: Lanes>(&self, s: S, rays: &Rays<S>, mut k: F32<S>, open: Mask<S>, over: Leap) -> F32<S> {
+        let inverse = inverse(s, rays);
+        loop {
+            let (lanes, distance) = match over {
+                Leap::Samples => (open & rays.has(k), rays.sample(s, k)),
+                Leap::Segments => (open & rays.has_node(k), rays.node(s, k)),
+            };
+            let p = rays.at(distance);
+            let met = self.layout.meet(s, &p);
+            let reach = self.distance(s, &met);
+            let steps = self.layout.leave(s, &p, &met, reach, &inverse).ceil();
+            let far = match over {
+                Leap::Samples => steps.max(splat(s, 1.0)),
+                // To the last node inside the cube.
+                Leap::Segments => (steps - 1.0).max(splat(s, 0.0)),
+            };
+            let empty = lanes & reach.simd_gt(splat(s, 0.0)) & far.simd_gt(splat(s, 0.0));
+            if !empty.any_true() {
+                return k;
+            }
+            k = empty.select(k + far, k);
+        }
+    }
+}
+
+/// What is leapt over.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Leap {
+    /// Samples in empty blocks.
+    Samples,
+    /// Segments whose both ends lie in empty blocks.
+    Segments,
+}
+
+/// The range of values interpolated in a block, with room for rounding; exact where all voxels
+/// are equal.
+fn widened([low, high]: [f32; 2]) -> [f32; 2] {
+    let room = if low < high { 1e-6 * low.abs().max(high.abs()) } else { 0.0 };
+    [low - room, high + room]
+}
+
+/// The largest or the smallest values of blocks, for projections of extremes.
+pub struct ExtremeGrid {
+    layout: Layout,
+    extremes: Vec<f32>,
+}
+
+impl ExtremeGrid {
+    /// The largest values, or the smallest with their signs turned.
+    pub fn new(blocks: &Blocks, minimum: bool) -> Self {
+        let extreme = |&range: &[f32; 2]| {
+            let [low, high] = widened(range);
+            if minimum { -low } else { high }
+        };
+        Self { layout: Layout::new(blocks), extremes: blocks.ranges().iter().map(extreme).collect() }
+    }
+
+    /// The first number from k on, in every lane, whose sample may exceed `best`, or one beyond
+    /// the last.
+    #[inline(always)]
+    pub fn leap<S: Lanes>(&self, s: S, rays: &Rays<S>, mut k: F32<S>, best: F32<S>) -> F32<S> {
+        let (inverse, one) = (inverse(s, rays), splat(s, 1.0));
+        loop {
+            let p = rays.at(rays.sample(s, k));
+            let met = self.layout.meet(s, &p);
+            // SAFETY: `meet` limits positions to the grid, every cell of which has its block.
+            let extreme: F32<S> = unsafe { s.gather::<4>(self.extremes.as_ptr().cast(), met.number) }.bitcast();
+            let dull = rays.has(k) & extreme.simd_le(best);
+            if !dull.any_true() {
+                return k;
+            }
+            let steps = self.layout.leave(s, &p, &met, one, &inverse);
+            k = dull.select(k + steps.ceil().max(one), k);
+        }
     }
 }

@@ -1,37 +1,71 @@
 //! A plane through the volume, at any orientation.
 
 use glam::DVec3;
-use pellucid_field::Reconstruct;
-use pellucid_optics::Table;
+use pellucid_field::Grid;
 
-use crate::integrator::{Integrator, Tally, Traced};
-use crate::lattice::Lattice;
-use crate::probe::Probe;
+use crate::classify::Lookup;
+use crate::field::Field;
+use crate::integrator::{Counter, Integrator, Tally, Traced};
+use crate::lanes::*;
+use crate::packet::{Packet, Rays};
 use crate::projection::classified;
-use crate::span::Span;
 
 /// The field on a plane, coloured at full opacity. (A slab of some thickness is a projection over
 /// a span between two planes.)
-pub struct Plane<'a, R> {
-    /// The field.
-    pub probe: Probe<'a, R>,
-    /// The transfer function.
-    pub table: &'a Table,
-    /// A world position on the plane.
-    pub point: DVec3,
-    /// Unit normal of the plane.
-    pub normal: DVec3,
+pub struct Plane<'a, S, F> {
+    s: S,
+    field: F,
+    table: Lookup<'a>,
+    /// The plane in index space: `index_normal . p = offset`.
+    index_normal: [f32; 3],
+    offset: f32,
+    normal: [f32; 3],
 }
 
-impl<R: Reconstruct> Integrator for Plane<'_, R> {
-    fn trace(&self, span: &Span, _: &Lattice, tally: &mut Tally) -> Traced {
-        let t = (self.point - span.ray.origin).dot(self.normal) / span.ray.direction.dot(self.normal);
-        // Also false for the NaN and infinity of a ray along the plane.
-        if !(t >= span.entry && t <= span.exit) {
-            return Traced::NOTHING;
+impl<'a, S: Lanes, F: Field<S>> Plane<'a, S, F> {
+    /// The plane through a world position across a unit normal.
+    pub fn new(s: S, field: F, table: Lookup<'a>, grid: &Grid, point: DVec3, normal: DVec3) -> Self {
+        let index_normal = (grid.world_from_index().matrix3.transpose() * normal).normalize();
+        let offset = index_normal.dot(grid.index_from_world().transform_point3(point));
+        Self {
+            s,
+            field,
+            table,
+            index_normal: index_normal.as_vec3().to_array(),
+            offset: offset as f32,
+            normal: normal.as_vec3().to_array(),
         }
-        tally.samples += 1;
-        let value = self.probe.value(span.index_at(t));
-        Traced { normal: self.normal, ..classified(self.table, value, t, true, tally) }
+    }
+}
+
+impl<S: Lanes, F: Field<S>> Integrator for Plane<'_, S, F> {
+    fn width(&self) -> usize {
+        width::<S>()
+    }
+
+    fn trace(&self, packet: &Packet, traced: &mut Traced, tally: &mut Tally) {
+        /// Rounding must not cut a plane out of the border of the volume, in steps.
+        const TOLERANCE: f32 = 1e-4;
+        let s = self.s;
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let rays = Rays::new(s, packet);
+                let mut counter = Counter::new(s);
+                let normal = xyz!(I => splat(s, self.index_normal[I]));
+                let along = dot::<S>(rays.direction, normal);
+                let distance = (splat(s, self.offset) - dot::<S>(rays.origin, normal)) / along;
+                // Also false for the NaN and infinity of a ray along the plane.
+                let after = distance.simd_ge(splat(s, -TOLERANCE));
+                let met = rays.has(splat(s, 0.0)) & after & distance.simd_le(rays.length() + TOLERANCE);
+                counter.sample(met);
+                let distance = met.select(distance, splat(s, 0.0));
+                let value = self.field.values(s, rays.at(distance), met);
+                let value = met.select(value, splat(s, f32::NAN));
+                classified(s, &self.table, value, distance, true, traced, &mut counter);
+                traced.set_surface(s, value.is_finite(), distance, xyz!(I => splat(s, self.normal[I])));
+                counter.finish(traced, tally);
+            },
+        );
     }
 }

@@ -2,16 +2,18 @@
 
 use std::sync::Mutex;
 
-use pellucid_scene::Control;
+use pellucid_scene::{Control, Frame};
 use rayon::prelude::*;
 
 use crate::RenderError;
+use crate::integrator::{Tally, Traced};
+use crate::packet::Packet;
 
 /// Pixels per tile side: large enough to share voxels in cache, small enough to balance.
 pub const TILE: usize = 32;
 
-/// A rectangle of pixels.
-#[derive(Clone, Copy, Debug)]
+/// A rectangle of pixels and what was drawn there, row by row.
+#[derive(Clone, Debug, Default)]
 pub struct Tile {
     /// Left column.
     pub x: usize,
@@ -21,43 +23,125 @@ pub struct Tile {
     pub width: usize,
     /// Rows.
     pub height: usize,
+    color: Vec<[f32; 4]>,
+    depth: Vec<f32>,
+    normal: Vec<[f32; 3]>,
+    samples: Vec<u32>,
+    /// Counts of its rays.
+    pub tally: Tally,
+    /// Rays that met the volume.
+    pub hit: u64,
 }
 
 impl Tile {
-    /// Its pixels as (x, y), row by row.
-    pub fn pixels(self) -> impl Iterator<Item = (usize, usize)> {
-        (self.y..self.y + self.height).flat_map(move |y| (self.x..self.x + self.width).map(move |x| (x, y)))
+    fn place(&mut self, x: usize, y: usize, width: usize, height: usize) {
+        (self.x, self.y, self.width, self.height) = (x, y, width, height);
+    }
+
+    /// Forgets what was drawn.
+    pub fn clear(&mut self) {
+        let n = self.width * self.height;
+        self.color.clear();
+        self.color.resize(n, [0.0; 4]);
+        self.depth.clear();
+        self.depth.resize(n, f32::INFINITY);
+        self.normal.clear();
+        self.normal.resize(n, [0.0; 3]);
+        self.samples.clear();
+        self.samples.resize(n, 0);
+        (self.tally, self.hit) = (Tally::default(), 0);
+    }
+
+    /// Adds what one ray of a packet found to a pixel: its share of the colour, and its surface if
+    /// it is the nearest of the pixel.
+    pub fn add(&mut self, x: usize, y: usize, lane: usize, weight: f32, packet: &Packet, traced: &Traced, step: f64) {
+        let pixel = y * self.width + x;
+        for channel in 0..4 {
+            self.color[pixel][channel] += traced.color[channel][lane] * weight;
+        }
+        self.samples[pixel] += traced.samples[lane] as u32;
+        let depth = (packet.entry[lane] + f64::from(traced.depth[lane]) * step) as f32;
+        if depth < self.depth[pixel] {
+            self.depth[pixel] = depth;
+            self.normal[pixel] = [0, 1, 2].map(|axis| traced.normal[axis][lane]);
+        }
     }
 }
 
-/// All tiles of a picture, of side `size`.
-pub fn tiles(width: usize, height: usize, size: usize) -> Vec<Tile> {
-    let rows = (0..height).step_by(size);
-    rows.flat_map(|y| {
-        (0..width).step_by(size).map(move |x| Tile { x, y, width: size.min(width - x), height: size.min(height - y) })
-    })
-    .collect()
+/// The tiles of a picture; kept from frame to frame with their memory.
+#[derive(Debug, Default)]
+pub struct Tiles {
+    tiles: Vec<Tile>,
+    layout: [usize; 3],
 }
 
-/// Draws every tile on the current thread pool, reporting progress; results come in tile order.
-///
-/// # Errors
-/// [`RenderError::Cancelled`] as soon as a tile reports that it was interrupted.
-pub fn draw<T: Send>(
-    tiles: &[Tile],
-    control: &Control,
-    tile: impl Fn(Tile) -> Result<T, RenderError> + Sync,
-) -> Result<Vec<T>, RenderError> {
-    let done = Mutex::new(0usize);
-    tiles
-        .par_iter()
-        .map(|&t| {
-            let result = tile(t)?;
+impl Tiles {
+    /// Covers a picture with tiles of a side.
+    pub fn cover(&mut self, width: usize, height: usize, side: usize) {
+        if self.layout == [width, height, side] {
+            return;
+        }
+        self.layout = [width, height, side];
+        let [columns, rows] = [width.div_ceil(side), height.div_ceil(side)];
+        self.tiles.resize_with(columns * rows, Tile::default);
+        for (number, tile) in self.tiles.iter_mut().enumerate() {
+            let (x, y) = (number % columns * side, number / columns * side);
+            tile.place(x, y, side.min(width - x), side.min(height - y));
+        }
+    }
+
+    /// Draws every tile on the current thread pool, reporting progress.
+    ///
+    /// # Errors
+    /// [`RenderError::Cancelled`] as soon as a tile reports that it was interrupted.
+    pub fn draw(
+        &mut self,
+        control: &Control,
+        draw: impl Fn(&mut Tile) -> Result<(), RenderError> + Sync,
+    ) -> Result<(), RenderError> {
+        let (done, all) = (Mutex::new(0usize), self.tiles.len());
+        self.tiles.par_iter_mut().with_max_len(1).try_for_each(|tile| {
+            tile.clear();
+            draw(tile)?;
             // Reported under the lock, so that progress never runs backwards.
             let mut done = done.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
             *done += 1;
-            control.report(*done as f64 / tiles.len() as f64);
-            Ok(result)
+            control.report(*done as f64 / all as f64);
+            Ok(())
         })
-        .collect()
+    }
+
+    /// Puts the tiles together.
+    pub fn assemble(&self, frame: &mut Frame) {
+        let [width, _, side] = self.layout;
+        let columns = width.div_ceil(side);
+        let band = side * width;
+        let color = frame.color.par_chunks_mut(band);
+        let depth = frame.depth.par_chunks_mut(band);
+        let normal = frame.normal.par_chunks_mut(band);
+        let samples = frame.samples.par_chunks_mut(band);
+        let tiles = self.tiles.par_chunks(columns);
+        tiles.zip(color).zip(depth).zip(normal).zip(samples).for_each(
+            |((((tiles, color), depth), normal), samples)| {
+                for (tile, row) in tiles.iter().flat_map(|tile| (0..tile.height).map(move |row| (tile, row))) {
+                    let (from, to) = (row * tile.width, row * width + tile.x);
+                    let (from, to) = (from..from + tile.width, to..to + tile.width);
+                    color[to.clone()].copy_from_slice(&tile.color[from.clone()]);
+                    depth[to.clone()].copy_from_slice(&tile.depth[from.clone()]);
+                    normal[to.clone()].copy_from_slice(&tile.normal[from.clone()]);
+                    samples[to].copy_from_slice(&tile.samples[from]);
+                }
+            },
+        );
+    }
+
+    /// The counts of all tiles, and the rays that met the volume.
+    pub fn total(&self) -> (Tally, u64) {
+        let mut total = (Tally::default(), 0);
+        for tile in &self.tiles {
+            total.0.add(&tile.tally);
+            total.1 += tile.hit;
+        }
+        total
+    }
 }

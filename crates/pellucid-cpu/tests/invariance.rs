@@ -53,7 +53,7 @@ fn modes() -> impl Strategy<Value = (Mode, Classification)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(60))]
+    #![proptest_config(ProptestConfig::with_cases(120))]
 
     #[test]
     fn skipping_tiles_and_threads_never_change_a_bit(
@@ -117,7 +117,10 @@ fn projections_do_not_depend_on_the_order_of_values() {
     for mode in [Mode::Maximum, Mode::Minimum] {
         // Steps that divide the box put samples at mirrored places.
         let draw = |flip| render(&stage(volume(flip), tf.clone(), |scene| set_mode(scene, mode.clone())));
-        assert_eq!(draw(false).color, draw(true).color, "{mode:?}");
+        for (a, b) in draw(false).color.iter().flatten().zip(draw(true).color.iter().flatten()) {
+            // Up to the rounding of positions.
+            assert!((a - b).abs() < 2e-6, "{mode:?}: {a} and {b}");
+        }
     }
     let draw = |flip| render(&stage(volume(flip), tf.clone(), |scene| set_mode(scene, Mode::Average)));
     for (a, b) in draw(false).color.iter().flatten().zip(draw(true).color.iter().flatten()) {

@@ -91,6 +91,26 @@ impl<'a, T: Voxel> ComponentView<'a, T> {
         }
     }
 
+    /// The numbers, from the component's first on.
+    pub fn data(&self) -> &'a [T] {
+        self.data
+    }
+
+    /// Voxels per axis.
+    pub fn dims(&self) -> [usize; 3] {
+        self.dims
+    }
+
+    /// Distance in [`ComponentView::data`] of neighbours along each axis.
+    pub fn stride(&self) -> [usize; 3] {
+        self.stride
+    }
+
+    /// From stored numbers to data values.
+    pub fn value_map(&self) -> ValueMap {
+        self.map
+    }
+
     /// The position within the grid that stands for `index`, or `None` outside the box.
     #[inline(always)]
     fn locate(&self, index: DVec3) -> Option<DVec3> {
@@ -315,6 +335,16 @@ impl<'a> Sampler<'a> {
     /// The data value at a position in the world, or NaN where the field is absent.
     pub fn value_world(&self, position: DVec3) -> f64 {
         self.value(self.source.grid().index_from_world().transform_point3(position))
+    }
+}
+
+impl Reconstruct for Sampler<'_> {
+    fn value(&self, index: DVec3) -> f64 {
+        self.value(index)
+    }
+
+    fn spline(&self, index: DVec3) -> Option<SplineCell> {
+        crate::with_reconstruction!(self, field => field.spline(index))
     }
 }
 

@@ -194,6 +194,11 @@ pub struct Incident {
 }
 
 impl ResolvedLight {
+    /// Whether the light is the same everywhere.
+    pub fn is_directional(&self) -> bool {
+        matches!(self.shape, Shape::Directional { .. })
+    }
+
     /// The light at a point of the world, if nothing is in between.
     pub fn incident(&self, at: Vec3) -> Incident {
         let (to_light, strength) = match self.shape {

@@ -82,6 +82,11 @@ impl Region {
         self.half_spaces.is_empty()
     }
 
+    /// The half-spaces: unit normal and offset.
+    pub fn half_spaces(&self) -> &[(DVec3, f64)] {
+        &self.half_spaces
+    }
+
     /// Whether a world point stays, boundary included.
     pub fn contains(&self, point: DVec3) -> bool {
         self.half_spaces.iter().all(|(normal, offset)| normal.dot(point) >= *offset)

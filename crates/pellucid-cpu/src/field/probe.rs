@@ -1,4 +1,4 @@
-//! "What is the field here?" — one answer for samples, gradients and surfaces.
+//! The field at one position, in f64.
 
 use glam::{DMat3, DVec3};
 use pellucid_field::{Gradient, Grid, Reconstruct, index_gradient};
@@ -19,16 +19,14 @@ impl<'a, R: Reconstruct> Probe<'a, R> {
         Self { field, region, grid, gradient, world_from_index_gradient: grid.world_from_index_gradient() }
     }
 
-    /// The data value at an index position inside the region; NaN where absent. Positions on a
-    /// span are inside by construction, so no clip is asked here.
-    #[inline(always)]
+    /// The data value at an index position, moved into the grid's box; NaN where absent.
     pub fn value(&self, index: DVec3) -> f64 {
-        self.field.value(index)
+        self.field.value(self.inside(index))
     }
 
     /// The gradient in data units per world unit, one-sided beside whatever is absent or clipped.
-    #[inline]
     pub fn gradient(&self, index: DVec3, center: f64) -> DVec3 {
+        let index = self.inside(index);
         let gradient = if self.region.is_everything() {
             self.field.gradient(self.gradient, index, center)
         } else {
@@ -38,5 +36,16 @@ impl<'a, R: Reconstruct> Probe<'a, R> {
             })
         };
         self.world_from_index_gradient * gradient
+    }
+
+    /// Turns a gradient per index step into one per world unit.
+    pub fn world_from_index_gradient(&self) -> DMat3 {
+        self.world_from_index_gradient
+    }
+
+    /// Positions come from rays in f32, which may leave the box by a rounding.
+    fn inside(&self, index: DVec3) -> DVec3 {
+        let (low, high) = self.grid.index_bounds();
+        index.max(low).min(high)
     }
 }

@@ -1,0 +1,257 @@
+//! Classification: where samples get colour and opacity.
+
+use glam::DVec3;
+use pellucid_field::{Filter, Volume};
+use pellucid_optics::{Nodes, PreIntegration, StepTable, Table};
+
+use crate::field::{Field, lane_position};
+use crate::lanes::*;
+
+/// A table of linear RGB and opacity in the shape lanes look it up (4.1-4).
+pub struct Lookup<'a> {
+    entries: &'a [[f32; 4]],
+    nodes: Nodes,
+    /// Between these positions, exclusive, lie all entries with any opacity.
+    hull: [f32; 2],
+}
+
+impl<'a> Lookup<'a> {
+    /// Associated colours for one step.
+    pub fn of_steps(table: &'a StepTable) -> Self {
+        Self::new(table.entries(), table.nodes())
+    }
+
+    /// Colours and opacities per unit distance.
+    pub fn of_table(table: &'a Table) -> Self {
+        Self::new(table.entries(), table.nodes())
+    }
+
+    fn new(entries: &'a [[f32; 4]], nodes: &Nodes) -> Self {
+        assert!(entries.len() == nodes.count() && entries.len() >= 2);
+        let visible = |entry: &[f32; 4]| entry[3] > 0.0;
+        let hull = match (entries.iter().position(visible), entries.iter().rposition(visible)) {
+            // Beyond an end of the table its last entry goes on.
+            (Some(first), Some(last)) => [
+                if first == 0 { f32::NEG_INFINITY } else { first as f32 - 1.0 },
+                if last + 1 == entries.len() { f32::INFINITY } else { last as f32 + 1.0 },
+            ],
+            _ => [f32::INFINITY, f32::NEG_INFINITY],
+        };
+        Self { entries, nodes: *nodes, hull }
+    }
+
+    /// The position of values among the nodes.
+    #[inline(always)]
+    pub fn position<S: Lanes>(&self, s: S, values: F32<S>) -> F32<S> {
+        position(s, &self.nodes, values)
+    }
+
+    /// Lanes whose position may have opacity; never those without a value.
+    #[inline(always)]
+    pub fn may_be_visible<S: Lanes>(&self, s: S, position: F32<S>) -> Mask<S> {
+        position.simd_gt(splat(s, self.hull[0])) & position.simd_lt(splat(s, self.hull[1]))
+    }
+
+    /// The entries at positions; any entry in lanes that are not a number.
+    #[inline(always)]
+    pub fn at<S: Lanes>(&self, s: S, position: F32<S>) -> [F32<S>; 4] {
+        let last = self.entries.len() - 1;
+        let (node, t) = cell(s, limited(s, position, last), last);
+        // SAFETY: `cell` gives a node from 0 to the last but one.
+        let (from, to) = unsafe {
+            let base = self.entries.as_ptr();
+            (s.gather_rows(base, node), s.gather_rows(base.add(1), node))
+        };
+        rgba!(C => lerp::<S>(t, from[C], to[C]))
+    }
+
+    /// The entries at values; zero where there is none.
+    #[inline(always)]
+    pub fn lookup<S: Lanes>(&self, s: S, values: F32<S>) -> [F32<S>; 4] {
+        let present = values.is_finite();
+        let found = self.at(s, self.position(s, values));
+        rgba!(C => present.select(found[C], splat(s, 0.0)))
+    }
+}
+
+/// The position of values among nodes.
+#[inline(always)]
+fn position<S: Lanes>(s: S, nodes: &Nodes, values: F32<S>) -> F32<S> {
+    (values - splat(s, nodes.origin())) * nodes.scale()
+}
+
+/// Positions limited to 0 to `last`; 0 where there is no number.
+#[inline(always)]
+fn limited<S: Lanes>(s: S, position: F32<S>, last: usize) -> F32<S> {
+    let zero = splat(s, 0.0);
+    position.simd_ge(zero).select(position, zero).min(splat(s, last as f32))
+}
+
+/// The node below a limited position, at most the last but one, and the fraction towards the next.
+#[inline(always)]
+fn cell<S: Lanes>(s: S, limited: F32<S>, last: usize) -> (I32<S>, F32<S>) {
+    let node = limited.to_int::<I32<S>>().min(whole(s, last as i32 - 1));
+    (node, limited - node.to_float::<F32<S>>())
+}
+
+/// Classified samples.
+pub struct Classified<S: Lanes> {
+    /// Data values; NaN where absent.
+    pub value: F32<S>,
+    /// Associated linear RGB and opacity of one step.
+    pub rgba: [F32<S>; 4],
+    /// Lanes with any opacity.
+    pub visible: Mask<S>,
+}
+
+/// Classifies single samples.
+pub trait Classify: Sync {
+    /// The samples at index positions, or `None` if none has any opacity.
+    fn classify<S: Lanes, F: Field<S>>(&self, s: S, field: &F, index: Vec3<S>, lanes: Mask<S>)
+    -> Option<Classified<S>>;
+}
+
+/// The transfer function applied to the interpolated value (4.3-1).
+pub struct Post<'a>(pub Lookup<'a>);
+
+impl Classify for Post<'_> {
+    #[inline(always)]
+    fn classify<S: Lanes, F: Field<S>>(
+        &self,
+        s: S,
+        field: &F,
+        index: Vec3<S>,
+        lanes: Mask<S>,
+    ) -> Option<Classified<S>> {
+        let value = field.values(s, index, lanes);
+        let position = self.0.position(s, value);
+        let candidates = lanes & self.0.may_be_visible(s, position);
+        if !candidates.any_true() {
+            return None;
+        }
+        let rgba = self.0.at(s, position);
+        let visible = candidates & rgba[3].simd_gt(splat(s, 0.0));
+        Some(Classified { value, rgba, visible })
+    }
+}
+
+/// The transfer function applied to the voxels, interpolating their associated colours (4.2-1,
+/// 3.2-8). An absent voxel has neither colour nor opacity.
+pub struct Pre<'a> {
+    /// Associated entries for one step.
+    pub table: &'a StepTable,
+    /// The voxels.
+    pub volume: &'a Volume,
+    /// Which component is classified.
+    pub component: usize,
+    /// How colours are interpolated.
+    pub filter: Filter,
+}
+
+impl Classify for Pre<'_> {
+    #[inline(always)]
+    fn classify<S: Lanes, F: Field<S>>(
+        &self,
+        s: S,
+        field: &F,
+        index: Vec3<S>,
+        lanes: Mask<S>,
+    ) -> Option<Classified<S>> {
+        let mut rgba = [splat(s, 0.0); 4];
+        let bits = lanes.to_bitmask();
+        for lane in (0..width::<S>()).filter(|lane| bits >> lane & 1 == 1) {
+            for (channel, value) in rgba.iter_mut().zip(self.color(lane_position::<S>(&index, lane))) {
+                channel[lane] = value;
+            }
+        }
+        let visible = lanes & rgba[3].simd_gt(splat(s, 0.0));
+        if !visible.any_true() {
+            return None;
+        }
+        Some(Classified { value: field.values(s, index, lanes), rgba, visible })
+    }
+}
+
+impl Pre<'_> {
+    fn color(&self, index: DVec3) -> [f32; 4] {
+        let dims = self.volume.grid().dims();
+        let reach = self.filter.half_width() as isize;
+        let inside = |axis: usize| index[axis].clamp(0.0, (dims[axis] - 1) as f64);
+        let cell: [isize; 3] = std::array::from_fn(|axis| inside(axis).floor() as isize);
+        let weights: [_; 3] = std::array::from_fn(|axis| self.filter.weights(inside(axis).fract()));
+        let voxel = |axis: usize, tap: usize| {
+            (cell[axis] + 1 - reach + tap as isize).clamp(0, dims[axis] as isize - 1) as usize
+        };
+        let mut sum = [0.0f64; 4];
+        for (k, wz) in weights[2].iter().enumerate() {
+            for (j, wy) in weights[1].iter().enumerate() {
+                for (i, wx) in weights[0].iter().enumerate() {
+                    let weight = wx * wy * wz;
+                    if weight == 0.0 {
+                        continue;
+                    }
+                    let value = self.volume.value([voxel(0, i), voxel(1, j), voxel(2, k)], self.component);
+                    let rgba = self.table.lookup(value as f32);
+                    for (sum, channel) in sum.iter_mut().zip(rgba) {
+                        *sum += weight * f64::from(channel);
+                    }
+                }
+            }
+        }
+        // Filters with negative weights overshoot.
+        sum.map(|channel| channel.clamp(0.0, 1.0) as f32)
+    }
+}
+
+/// Colour and opacity by the values at both ends of a segment (4.6-7).
+pub struct Segments<'a>(pub &'a PreIntegration);
+
+impl Segments<'_> {
+    /// Associated linear RGB and opacity of full steps from `front` to `back`, both present.
+    #[inline(always)]
+    pub fn lookup<S: Lanes>(&self, s: S, front: F32<S>, back: F32<S>, lanes: Mask<S>) -> [F32<S>; 4] {
+        let nodes = self.0.nodes();
+        let last = nodes.count() - 1;
+        let x = position(s, nodes, front);
+        let y = position(s, nodes, back);
+        let (limited_x, limited_y) = (limited(s, x, last), limited(s, y, last));
+        let ((near, u), (far, v)) = (cell(s, limited_x, last), cell(s, limited_y, last));
+        let row = nodes.count();
+        let corner = near + far * row as i32;
+        let base = self.0.entries().as_ptr();
+        // SAFETY: `cell` gives nodes from 0 to the last but one.
+        let [c00, c10, c01, c11] = unsafe {
+            [
+                s.gather_rows(base, corner),
+                s.gather_rows(base.add(1), corner),
+                s.gather_rows(base.add(row), corner),
+                s.gather_rows(base.add(row + 1), corner),
+            ]
+        };
+        let mut rgba = rgba!(C => lerp::<S>(v, lerp::<S>(u, c00[C], c10[C]), lerp::<S>(u, c01[C], c11[C])));
+        // Segments that leave the domain are composed of parts, which is rare.
+        let beyond = limited_x.simd_ne(x) | limited_y.simd_ne(y);
+        let beyond = lanes & beyond & limited_x.simd_ne(limited_y);
+        let bits = beyond.to_bitmask();
+        for lane in (0..width::<S>()).filter(|lane| bits >> lane & 1 == 1) {
+            for (channel, value) in rgba.iter_mut().zip(self.0.lookup(front[lane], back[lane])) {
+                channel[lane] = value;
+            }
+        }
+        rgba
+    }
+}
+
+/// Associated colours over `ratio` times the length they hold for, at most 1 (1.4-14): the vectors'
+/// form of [`correct_associated`](pellucid_optics::correct_associated). Where the ratio is 1 they
+/// stay what they are, to the bit.
+#[inline(always)]
+pub fn over_length<S: Lanes>(s: S, rgba: [F32<S>; 4], ratio: F32<S>) -> [F32<S>; 4] {
+    let [r, g, b, alpha] = rgba;
+    let shortened = ratio.simd_lt(splat(s, 1.0));
+    let corrected = opacity_over(s, alpha, ratio);
+    let thin = alpha.simd_lt(splat(s, f32::MIN_POSITIVE));
+    let scale = thin.select(ratio, corrected / thin.select(splat(s, 1.0), alpha));
+    let found = [r * scale, g * scale, b * scale, corrected];
+    rgba!(C => shortened.select(found[C], rgba[C]))
+}

@@ -1,0 +1,95 @@
+//! Fields that are asked lane by lane, and fields of any kind behind one type.
+
+use glam::DVec3;
+use pellucid_field::{Reconstruct, Sampler};
+
+use super::{Field, Probe};
+use crate::lanes::*;
+
+/// Any reconstruction, in f64, one lane after the other: wide filters and rare voxel types, whose
+/// samples cost so much that vectors would not show.
+pub struct General<'a>(pub Probe<'a, Sampler<'a>>);
+
+impl<S: Lanes> Field<S> for General<'_> {
+    #[inline(always)]
+    fn values(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> F32<S> {
+        value_of_each(s, &self.0, index, lanes)
+    }
+
+    #[inline(always)]
+    fn gradients(&self, s: S, index: Vec3<S>, centers: F32<S>, lanes: Mask<S>) -> Vec3<S> {
+        gradient_of_each(s, &self.0, index, centers, lanes)
+    }
+}
+
+/// A field known at run time only: one virtual call a packet, for modes that are not worth a copy
+/// of their own for every voxel type.
+pub struct Any<'a, S>(pub Box<dyn Field<S> + 'a>);
+
+impl<S: Lanes> Field<S> for Any<'_, S> {
+    #[inline(always)]
+    fn values(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> F32<S> {
+        self.0.values(s, index, lanes)
+    }
+
+    #[inline(always)]
+    fn gradients(&self, s: S, index: Vec3<S>, centers: F32<S>, lanes: Mask<S>) -> Vec3<S> {
+        self.0.gradients(s, index, centers, lanes)
+    }
+}
+
+/// A field as it goes into [`Any`]: its methods are entered with the instruction set switched on.
+pub struct Entered<F>(pub F);
+
+impl<S: Lanes, F: Field<S>> Field<S> for Entered<F> {
+    fn values(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> F32<S> {
+        s.vectorize(
+            #[inline(always)]
+            || self.0.values(s, index, lanes),
+        )
+    }
+
+    fn gradients(&self, s: S, index: Vec3<S>, centers: F32<S>, lanes: Mask<S>) -> Vec3<S> {
+        s.vectorize(
+            #[inline(always)]
+            || self.0.gradients(s, index, centers, lanes),
+        )
+    }
+}
+
+/// The position of one lane.
+#[inline(always)]
+pub fn lane_position<S: Lanes>(index: &Vec3<S>, lane: usize) -> DVec3 {
+    DVec3::new(f64::from(index[0][lane]), f64::from(index[1][lane]), f64::from(index[2][lane]))
+}
+
+/// Values, one lane after the other.
+#[inline(never)]
+pub fn value_of_each<S: Lanes, R: Reconstruct>(s: S, probe: &Probe<R>, index: Vec3<S>, lanes: Mask<S>) -> F32<S> {
+    let mut values = splat(s, f32::NAN);
+    let bits = lanes.to_bitmask();
+    for lane in (0..width::<S>()).filter(|lane| bits >> lane & 1 == 1) {
+        values[lane] = probe.value(lane_position::<S>(&index, lane)) as f32;
+    }
+    values
+}
+
+/// World gradients, one lane after the other.
+#[inline(never)]
+pub fn gradient_of_each<S: Lanes, R: Reconstruct>(
+    s: S,
+    probe: &Probe<R>,
+    index: Vec3<S>,
+    centers: F32<S>,
+    lanes: Mask<S>,
+) -> Vec3<S> {
+    let mut gradients = [splat(s, 0.0); 3];
+    let bits = lanes.to_bitmask();
+    for lane in (0..width::<S>()).filter(|lane| bits >> lane & 1 == 1) {
+        let gradient = probe.gradient(lane_position::<S>(&index, lane), f64::from(centers[lane]));
+        for (axis, lanes) in gradients.iter_mut().enumerate() {
+            lanes[lane] = gradient[axis] as f32;
+        }
+    }
+    gradients
+}

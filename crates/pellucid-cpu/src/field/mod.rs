@@ -1,0 +1,29 @@
+//! "What is the field here?": one answer for samples, gradients and surfaces, for all lanes.
+
+mod general;
+mod probe;
+mod taps;
+mod trilinear;
+mod voxel;
+
+pub use general::{Any, Entered, General, lane_position};
+pub use probe::Probe;
+pub use taps::Bounds;
+pub use trilinear::Trilinear;
+pub use voxel::Texel;
+
+use crate::lanes::*;
+
+/// A reconstructed field inside its clip region; what is clipped is absent.
+pub trait Field<S: Lanes>: Sync {
+    /// Data values at index positions inside the region, NaN where absent. Positions are finite;
+    /// those outside the grid's box are moved to its border. Positions on a ray's span are inside
+    /// by construction, so no clip is asked here. What the lanes without a `true` give is not
+    /// specified.
+    fn values(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> F32<S>;
+
+    /// Gradients in data units per world unit, one-sided beside whatever is absent or clipped,
+    /// where `centers` are the values at these positions. What the lanes without a `true` give is
+    /// not specified.
+    fn gradients(&self, s: S, index: Vec3<S>, centers: F32<S>, lanes: Mask<S>) -> Vec3<S>;
+}

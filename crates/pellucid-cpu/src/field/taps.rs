@@ -1,0 +1,66 @@
+//! Which of the six taps of a central difference exist: inside the box and not clipped.
+
+use glam::DVec3;
+use pellucid_field::Grid;
+use pellucid_scene::Region;
+
+use crate::lanes::*;
+
+/// The box and the clip planes around a field, in index space.
+pub struct Bounds {
+    last: [f32; 3],
+    /// Half-spaces `normal . p >= offset`.
+    planes: Vec<([f32; 3], f32)>,
+}
+
+impl Bounds {
+    /// The bounds of a grid and a region.
+    pub fn new(grid: &Grid, region: &Region) -> Self {
+        let world = grid.world_from_index();
+        let plane = |&(normal, offset): &(DVec3, f64)| {
+            let index_normal = world.matrix3.transpose() * normal;
+            let length = index_normal.length();
+            let offset = offset - normal.dot(world.translation);
+            ((index_normal / length).as_vec3().to_array(), (offset / length) as f32)
+        };
+        let planes = region.half_spaces().iter().map(plane).collect();
+        Self { last: grid.dims().map(|n| (n - 1) as f32), planes }
+    }
+
+    /// Whether the taps one index step before and after a position along an axis exist. The
+    /// position itself does.
+    #[inline(always)]
+    pub fn taps<S: Lanes>(&self, s: S, p: &Vec3<S>, axis: usize) -> [Mask<S>; 2] {
+        // The rounding of positions must not cut off a tap that lies in the border.
+        const TOLERANCE: f32 = 1e-4;
+        let mut left = p[axis].simd_ge(splat(s, 1.0 - TOLERANCE));
+        let mut right = p[axis].simd_le(splat(s, self.last[axis] - 1.0 + TOLERANCE));
+        for (normal, offset) in &self.planes {
+            let above = dot::<S>(xyz!(I => splat(s, normal[I])), *p) - *offset;
+            left = left & above.simd_ge(splat(s, normal[axis] - TOLERANCE));
+            right = right & above.simd_ge(splat(s, -normal[axis] - TOLERANCE));
+        }
+        [left, right]
+    }
+
+    /// The central difference over one index step from values on both sides and in the middle,
+    /// where a missing tap is the point reflection of the other (5.3-4).
+    #[inline(always)]
+    pub fn difference<S: Lanes>(
+        &self,
+        s: S,
+        p: &Vec3<S>,
+        axis: usize,
+        [left, right]: [S::f32s; 2],
+        center: S::f32s,
+    ) -> S::f32s {
+        let [has_left, has_right] = self.taps(s, p, axis);
+        if (has_left & has_right).all_true() {
+            return (right - left) * 0.5;
+        }
+        let left_or_center = has_left.select(left, center);
+        let right_or_center = has_right.select(right, center);
+        let both = has_left & has_right;
+        (right_or_center - left_or_center) * both.select(splat(s, 0.5), splat(s, 1.0))
+    }
+}

@@ -1,0 +1,175 @@
+//! Voxels of every type, read for all lanes at once and turned into `f32`.
+
+use half::f16;
+use pellucid_field::Voxel;
+
+use crate::lanes::*;
+
+/// A voxel type that is read with vectors.
+pub trait Texel: Voxel {
+    /// How many voxels beyond a pair are read with it.
+    const OVERREAD: usize;
+
+    /// The voxels at `offset + d` and the one after, for every lane. If `at_end`, some of them may
+    /// have fewer than [`Texel::OVERREAD`] voxels behind.
+    ///
+    /// # Safety
+    /// Both are in the data, of which there are at least 4, and unless `at_end` so are
+    /// [`Texel::OVERREAD`] voxels more.
+    unsafe fn pair<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 2];
+
+    /// The voxels from `offset + d - 1` to `offset + d + 2`, for every lane; anything for those
+    /// before the first and after the last of the data.
+    ///
+    /// # Safety
+    /// `offset + d` and the one after are in the data, of which there are at least 4, and unless
+    /// `at_end` so are all four.
+    #[inline(always)]
+    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 4] {
+        if !at_end {
+            // SAFETY: as the caller's.
+            let ([a, b], [c, d]) =
+                unsafe { (Self::pair(s, data, offset, d - 1, false), Self::pair(s, data, offset, d + 1, false)) };
+            return [a, b, c, d];
+        }
+        let (first, last) = (whole(s, 0), whole(s, data.len() as i32 - 2));
+        let (left, right) = (offset + (d - 1), offset + (d + 1));
+        // SAFETY: moved into the data.
+        let ([a, b], [c, d]) =
+            unsafe { (Self::pair(s, data, left.max(first), 0, true), Self::pair(s, data, right.min(last), 0, true)) };
+        [a, left.simd_lt(first).select(a, b), right.simd_gt(last).select(d, c), d]
+    }
+}
+
+/// The four bytes from `offset + d` on. If `at_end`, those after the last byte of the data are 0,
+/// as is the one before the first.
+///
+/// # Safety
+/// `offset + d + 1` and the byte after are in the data, of which there are at least 4, and unless
+/// `at_end` so are all four.
+#[inline(always)]
+unsafe fn bytes<S: Lanes, T>(s: S, data: &[T], offset: I32<S>, d: i32, at_end: bool) -> <S as Simd>::u32s {
+    if !at_end {
+        // SAFETY: as the caller's.
+        return unsafe { s.gather::<1>(data.as_ptr().cast::<u8>().offset(d as isize), offset) };
+    }
+    let zero = whole(s, 0);
+    let wanted = offset + d;
+    let there = wanted.max(zero).min(whole(s, data.len() as i32 - 4));
+    // SAFETY: moved into the data.
+    let words = unsafe { s.gather::<1>(data.as_ptr().cast(), there) };
+    let (late, early) = ((wanted - there).max(zero) << 3, (there - wanted).max(zero) << 3);
+    (words >> late.bitcast::<<S as Simd>::u32s>()) << early.bitcast::<<S as Simd>::u32s>()
+}
+
+/// Byte `n` of every word as a number.
+#[inline(always)]
+fn byte<S: Lanes>(words: <S as Simd>::u32s, n: u32) -> F32<S> {
+    let words: I32<S> = (words >> (8 * n)).bitcast();
+    (words & 0xff).to_float()
+}
+
+/// Byte `n` of every word as a signed number.
+#[inline(always)]
+fn signed_byte<S: Lanes>(words: <S as Simd>::u32s, n: u32) -> F32<S> {
+    let words: I32<S> = (words << (24 - 8 * n)).bitcast();
+    (words >> 24).to_float()
+}
+
+impl Texel for u8 {
+    const OVERREAD: usize = 2;
+
+    #[inline(always)]
+    unsafe fn pair<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 2] {
+        // SAFETY: as the caller's.
+        let words = unsafe { bytes(s, data, offset, d, at_end) };
+        [byte::<S>(words, 0), byte::<S>(words, 1)]
+    }
+
+    #[inline(always)]
+    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 4] {
+        // SAFETY: as the caller's.
+        let words = unsafe { bytes(s, data, offset, d - 1, at_end) };
+        rgba!(N => byte::<S>(words, N as u32))
+    }
+}
+
+impl Texel for i8 {
+    const OVERREAD: usize = 2;
+
+    #[inline(always)]
+    unsafe fn pair<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 2] {
+        // SAFETY: as the caller's.
+        let words = unsafe { bytes(s, data, offset, d, at_end) };
+        [signed_byte::<S>(words, 0), signed_byte::<S>(words, 1)]
+    }
+
+    #[inline(always)]
+    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 4] {
+        // SAFETY: as the caller's.
+        let words = unsafe { bytes(s, data, offset, d - 1, at_end) };
+        rgba!(N => signed_byte::<S>(words, N as u32))
+    }
+}
+
+impl Texel for u16 {
+    const OVERREAD: usize = 0;
+
+    #[inline(always)]
+    unsafe fn pair<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, _: bool) -> [F32<S>; 2] {
+        // SAFETY: the caller vouches for two voxels.
+        let words = unsafe { s.gather::<2>(data.as_ptr().offset(d as isize).cast(), offset) };
+        // Shifted as unsigned words: a signed shift would smear large values.
+        let (low, high): (I32<S>, I32<S>) = ((words & 0xffff).bitcast(), (words >> 16).bitcast());
+        [low.to_float(), high.to_float()]
+    }
+}
+
+impl Texel for i16 {
+    const OVERREAD: usize = 0;
+
+    #[inline(always)]
+    unsafe fn pair<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, _: bool) -> [F32<S>; 2] {
+        // SAFETY: the caller vouches for two voxels.
+        let words: I32<S> = unsafe { s.gather::<2>(data.as_ptr().offset(d as isize).cast(), offset) }.bitcast();
+        [((words << 16) >> 16).to_float(), (words >> 16).to_float()]
+    }
+}
+
+impl Texel for f16 {
+    const OVERREAD: usize = 0;
+
+    #[inline(always)]
+    unsafe fn pair<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, _: bool) -> [F32<S>; 2] {
+        // SAFETY: the caller vouches for two voxels.
+        let words: I32<S> = unsafe { s.gather::<2>(data.as_ptr().offset(d as isize).cast(), offset) }.bitcast();
+        [half_to_single(s, words & 0xffff), half_to_single(s, (words >> 16) & 0xffff)]
+    }
+}
+
+/// Half precision from the low 16 bits of every lane; what is not finite stays so.
+#[inline(always)]
+fn half_to_single<S: Lanes>(s: S, bits: I32<S>) -> F32<S> {
+    // Exponent and mantissa move to their place; the product sets the exponent right, also for
+    // numbers too small to be normal.
+    let magnitude: F32<S> = ((bits & 0x7fff) << 13).bitcast();
+    let magnitude = magnitude * f32::from_bits(0x7780_0000);
+    let magnitude = magnitude.simd_ge(splat(s, 65536.0)).select(splat(s, f32::INFINITY), magnitude);
+    let sign: I32<S> = (bits & 0x8000) << 16;
+    let with_sign: I32<S> = magnitude.bitcast::<I32<S>>() | sign;
+    with_sign.bitcast()
+}
+
+impl Texel for f32 {
+    const OVERREAD: usize = 0;
+
+    #[inline(always)]
+    unsafe fn pair<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, _: bool) -> [F32<S>; 2] {
+        // SAFETY: the caller vouches for two voxels.
+        let (a, b) = unsafe {
+            let base = data.as_ptr().offset(d as isize);
+            (s.gather::<4>(base.cast(), offset), s.gather::<4>(base.add(1).cast(), offset))
+        };
+        [a.bitcast(), b.bitcast()]
+    }
+}

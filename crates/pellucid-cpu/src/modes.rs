@@ -1,0 +1,174 @@
+//! The integrator of a stage's mode.
+
+use pellucid_field::{ComponentView, Filter, Linear, Reconstruct, Sampler, Voxels};
+use pellucid_scene::{Classification, Combine, Mode};
+
+use crate::RenderError;
+use crate::classify::{Lookup, Post, Pre, Segments};
+use crate::composite::{Composite, Medium, PreIntegrated};
+use crate::field::{Any, Bounds, Entered, Field, General, Probe, Texel, Trilinear};
+use crate::integrator::Integrator;
+use crate::isosurface::{Isosurfaces, Level};
+use crate::lanes::{InstructionSet, Lanes, dispatch};
+use crate::prepare::{Prepared, mode, plane};
+use crate::projection::{Additive, Average, Extreme, XRay};
+use crate::skip::{ExtremeGrid, SkipGrid};
+use crate::slice::Plane;
+use crate::surface::Surface;
+
+impl Prepared<'_> {
+    /// The integrator of the stage's mode, for an instruction set.
+    ///
+    /// # Errors
+    /// [`RenderError::Field`] if the filter's parameters are out of range.
+    pub fn integrator(&self, set: InstructionSet) -> Result<Box<dyn Integrator + '_>, RenderError> {
+        let sampler = Sampler::new(&self.field, self.component, self.filter)?;
+        Ok(dispatch!(set, s => self.integrator_in(s, sampler)))
+    }
+
+    /// The modes that most pictures have are compiled with the voxel type that most data have
+    /// inside their loops. All others ask the field by one virtual call a packet.
+    fn integrator_in<'a, S: Lanes>(&'a self, s: S, sampler: Sampler<'a>) -> Box<dyn Integrator + 'a> {
+        let classification = self.stage.quality.classification;
+        let common = match mode(self.stage) {
+            Mode::Composite => classification != Classification::Pre,
+            Mode::Maximum | Mode::Minimum | Mode::Isosurface(_) => true,
+            _ => false,
+        };
+        if !common {
+            return self.rare(s, self.any(sampler));
+        }
+        if sampler.filter() == Filter::Linear {
+            let typed = match self.field.voxels() {
+                Voxels::U8(data) => self.trilinear(data).map(|field| self.common(s, field)),
+                Voxels::U16(data) => self.trilinear(data).map(|field| self.common(s, field)),
+                Voxels::I16(data) => self.trilinear(data).map(|field| self.common(s, field)),
+                Voxels::F32(data) => self.trilinear(data).map(|field| self.common(s, field)),
+                _ => None,
+            };
+            if let Some(integrator) = typed {
+                return integrator;
+            }
+        }
+        self.common(s, self.any(sampler))
+    }
+
+    fn probe<'a, R: Reconstruct>(&'a self, field: R) -> Probe<'a, R> {
+        Probe::new(field, self.grid(), &self.region, self.stage.quality.gradient)
+    }
+
+    fn trilinear<'a, T: Texel>(&'a self, data: &'a [T]) -> Option<Trilinear<'a, T>> {
+        let view = ComponentView::new(&self.field, data, self.component);
+        let bounds = Bounds::new(self.grid(), &self.region);
+        Trilinear::new(view, bounds, self.stage.quality.gradient, self.probe(Linear(view)))
+    }
+
+    /// The field of any filter and voxel type.
+    fn any<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
+        if sampler.filter() == Filter::Linear {
+            let boxed: Option<Box<dyn Field<S> + 'a>> = match self.field.voxels() {
+                Voxels::U8(data) => self.boxed(data),
+                Voxels::I8(data) => self.boxed(data),
+                Voxels::U16(data) => self.boxed(data),
+                Voxels::I16(data) => self.boxed(data),
+                Voxels::F16(data) => self.boxed(data),
+                Voxels::F32(data) => self.boxed(data),
+                Voxels::U32(_) | Voxels::I32(_) => None,
+            };
+            if let Some(field) = boxed {
+                return Any(field);
+            }
+        }
+        Any(Box::new(Entered(General(self.probe(sampler)))))
+    }
+
+    fn boxed<'a, S: Lanes, T: Texel>(&'a self, data: &'a [T]) -> Option<Box<dyn Field<S> + 'a>> {
+        let field = self.trilinear(data)?;
+        Some(Box::new(Entered(field)))
+    }
+
+    fn common<'a, S: Lanes, F: Field<S> + 'a>(&'a self, s: S, field: F) -> Box<dyn Integrator + 'a> {
+        let early_termination = self.stage.quality.early_termination;
+        match mode(self.stage) {
+            Mode::Maximum => self.extreme(s, field, false, false),
+            Mode::Minimum => self.extreme(s, field, true, false),
+            Mode::Isosurface(isosurface) => {
+                let tf = &self.volume.transfer_function;
+                let levels: Vec<Level> = isosurface.isovalues.iter().map(|iso| Level::new(iso, tf)).collect();
+                let skip = self.skip(|low, high| levels.iter().any(|level| low <= level.value && level.value <= high));
+                Box::new(Isosurfaces { s, field, surface: self.surface(), levels, skip, early_termination })
+            }
+            _ => {
+                let medium = self.medium(s, field);
+                match &self.preintegration {
+                    Some(table) => Box::new(PreIntegrated { medium, table: Segments(table) }),
+                    None => {
+                        let classifier = Post(Lookup::of_steps(&self.step_table));
+                        Box::new(Composite { medium, classifier })
+                    }
+                }
+            }
+        }
+    }
+
+    fn rare<'a, S: Lanes>(&'a self, s: S, field: Any<'a, S>) -> Box<dyn Integrator + 'a> {
+        match mode(self.stage) {
+            Mode::Average => Box::new(Average { s, field, table: Lookup::of_table(&self.table), opaque: false }),
+            Mode::Additive => {
+                let skip = self.skip_invisible();
+                let step_ratio = (self.stage.step / self.volume.unit_distance()) as f32;
+                Box::new(Additive { s, field, table: Lookup::of_table(&self.table), step_ratio, skip })
+            }
+            Mode::XRay => {
+                let skip = self.skip_invisible();
+                Box::new(XRay { s, field, table: Lookup::of_steps(&self.step_table), skip })
+            }
+            Mode::Slice(slice) if slice.thickness == 0.0 => {
+                let (point, normal) = plane(self.stage, self.volume, slice);
+                Box::new(Plane::new(s, field, Lookup::of_table(&self.table), self.grid(), point, normal))
+            }
+            Mode::Slice(slice) => match slice.combine {
+                Combine::Maximum => self.extreme(s, field, false, true),
+                Combine::Minimum => self.extreme(s, field, true, true),
+                Combine::Average => Box::new(Average { s, field, table: Lookup::of_table(&self.table), opaque: true }),
+            },
+            Mode::Composite | Mode::Maximum | Mode::Minimum | Mode::Isosurface(_) => {
+                let (volume, component) = (&*self.volume.volume, self.volume.component);
+                let filter = self.stage.quality.filter;
+                let classifier = Pre { table: &self.step_table, volume, component, filter };
+                Box::new(Composite { medium: self.medium(s, field), classifier })
+            }
+        }
+    }
+
+    fn medium<'a, S: Lanes, F: Field<S>>(&'a self, s: S, field: F) -> Medium<'a, S, F> {
+        let early_termination = self.stage.quality.early_termination;
+        Medium { s, field, surface: self.surface(), skip: self.skip_invisible(), early_termination }
+    }
+
+    fn extreme<'a, S: Lanes, F: Field<S> + 'a>(
+        &'a self,
+        s: S,
+        field: F,
+        minimum: bool,
+        opaque: bool,
+    ) -> Box<dyn Integrator + 'a> {
+        let skip = self.blocks.as_deref().map(|blocks| ExtremeGrid::new(blocks, minimum));
+        Box::new(Extreme { s, field, table: Lookup::of_table(&self.table), skip, minimum, opaque })
+    }
+
+    fn surface(&self) -> Option<Surface<'_>> {
+        let material = self.volume.material.as_ref()?;
+        let (weight, stage) = (self.volume.gradient_weight, self.stage);
+        let world_from_index = self.grid().world_from_index();
+        Some(Surface::new(material, weight, &stage.lights, stage.ambient, world_from_index))
+    }
+
+    fn skip_invisible(&self) -> Option<SkipGrid> {
+        self.skip(|low, high| self.visibility.any_opacity(low, high))
+    }
+
+    fn skip(&self, live: impl Fn(f32, f32) -> bool) -> Option<SkipGrid> {
+        self.blocks.as_deref().map(|blocks| SkipGrid::new(blocks, live))
+    }
+}

@@ -1,0 +1,151 @@
+//! Rays that are followed side by side.
+
+use crate::lanes::*;
+use crate::lattice::Lattice;
+use crate::span::Span;
+
+/// One number a lane.
+pub type PerLane = [f32; MOST_LANES];
+
+/// As many rays as the instruction set has lanes, or fewer; the rest are rays that met nothing.
+///
+/// Distances along a ray count steps from its entry: positions then keep their precision however
+/// far the eye is, and nothing overflows whatever the units of the world are.
+#[derive(Clone, Debug)]
+pub struct Packet {
+    /// Continuous voxel index of the entry.
+    pub origin: [PerLane; 3],
+    /// Index-space direction, per step.
+    pub direction: [PerLane; 3],
+    /// Unit direction in the world.
+    pub world_direction: [PerLane; 3],
+    /// Where in a step its sample lies, `[0, 1)`.
+    pub jitter: PerLane,
+    /// Number of segments; 0 if there is no ray.
+    pub count: PerLane,
+    /// Length of the last segment, in steps.
+    pub last_ratio: PerLane,
+    /// Distance from the eye to the entry, in world units.
+    pub entry: [f64; MOST_LANES],
+}
+
+impl Packet {
+    /// A packet without rays.
+    pub const NOTHING: Self = Self {
+        origin: [[0.0; MOST_LANES]; 3],
+        direction: [[0.0; MOST_LANES]; 3],
+        world_direction: [[0.0; MOST_LANES]; 3],
+        jitter: [0.5; MOST_LANES],
+        count: [0.0; MOST_LANES],
+        last_ratio: [1.0; MOST_LANES],
+        entry: [0.0; MOST_LANES],
+    };
+
+    /// Puts a ray into a lane.
+    pub fn set(&mut self, lane: usize, span: &Span, lattice: &Lattice) {
+        /// No step is this many voxels; keeps positions finite.
+        const FAR: f64 = 1e30;
+        let (entry, step) = (span.index_at(span.entry), span.index_direction() * lattice.step);
+        for axis in 0..3 {
+            self.origin[axis][lane] = entry[axis] as f32;
+            self.direction[axis][lane] = step[axis].clamp(-FAR, FAR) as f32;
+            self.world_direction[axis][lane] = span.ray.direction[axis] as f32;
+        }
+        self.jitter[lane] = lattice.jitter as f32;
+        self.count[lane] = lattice.count as f32;
+        self.last_ratio[lane] = lattice.last_ratio as f32;
+        self.entry[lane] = span.entry;
+    }
+
+    /// Takes the ray out of a lane.
+    pub fn clear(&mut self, lane: usize) {
+        self.count[lane] = 0.0;
+    }
+}
+
+/// A packet in vectors.
+pub struct Rays<S: Lanes> {
+    /// Continuous voxel index of the entry.
+    pub origin: Vec3<S>,
+    /// Index-space direction, per step.
+    pub direction: Vec3<S>,
+    /// Where in a step its sample lies.
+    pub jitter: F32<S>,
+    /// Number of segments.
+    pub count: F32<S>,
+    /// Length of the last segment, in steps.
+    pub last_ratio: F32<S>,
+}
+
+impl<S: Lanes> Rays<S> {
+    /// The vectors of a packet.
+    #[inline(always)]
+    pub fn new(s: S, packet: &Packet) -> Self {
+        Self {
+            origin: xyz!(I => load(s, &packet.origin[I])),
+            direction: xyz!(I => load(s, &packet.direction[I])),
+            jitter: load(s, &packet.jitter),
+            count: load(s, &packet.count),
+            last_ratio: load(s, &packet.last_ratio),
+        }
+    }
+
+    /// The index position at a distance.
+    #[inline(always)]
+    pub fn at(&self, distance: F32<S>) -> Vec3<S> {
+        xyz!(I => self.direction[I].mul_add(distance, self.origin[I]))
+    }
+
+    /// Whether there is a segment k.
+    #[inline(always)]
+    pub fn has(&self, k: F32<S>) -> Mask<S> {
+        k.simd_lt(self.count)
+    }
+
+    /// Whether there is a segment behind node n.
+    #[inline(always)]
+    pub fn has_node(&self, n: F32<S>) -> Mask<S> {
+        n.simd_le(self.count)
+    }
+
+    /// Whether segment k is the last one, or beyond.
+    #[inline(always)]
+    pub fn is_last(&self, k: F32<S>) -> Mask<S> {
+        k.simd_ge(self.count - 1.0)
+    }
+
+    /// Length of segment k, in steps: 1 but for the last.
+    #[inline(always)]
+    pub fn ratio(&self, s: S, k: F32<S>) -> F32<S> {
+        self.is_last(k).select(self.last_ratio, splat(s, 1.0))
+    }
+
+    /// Distance of segment k's sample.
+    #[inline(always)]
+    pub fn sample(&self, s: S, k: F32<S>) -> F32<S> {
+        self.jitter.mul_add(self.ratio(s, k), k)
+    }
+
+    /// Length of the segment behind node n, in steps; n from 0 to `count`.
+    #[inline(always)]
+    pub fn segment_length(&self, s: S, n: F32<S>) -> F32<S> {
+        let first = n.simd_lt(splat(s, 1.0));
+        let inner = self.jitter.mul_add(self.ratio(s, n) - 1.0, splat(s, 1.0));
+        let length = first.select(self.jitter * self.ratio(s, n), inner);
+        n.simd_ge(self.count).select((splat(s, 1.0) - self.jitter) * self.last_ratio, length)
+    }
+
+    /// Distance of the exit.
+    #[inline(always)]
+    pub fn length(&self) -> F32<S> {
+        self.count - 1.0 + self.last_ratio
+    }
+
+    /// Nodes of the piecewise linear view of a ray: the entry, then every sample, then the exit;
+    /// n from 0 to `count + 1`.
+    #[inline(always)]
+    pub fn node(&self, s: S, n: F32<S>) -> F32<S> {
+        let inner = n.simd_gt(self.count).select(self.length(), self.sample(s, n - 1.0));
+        n.simd_lt(splat(s, 1.0)).select(splat(s, 0.0), inner)
+    }
+}
