@@ -279,9 +279,10 @@ impl Viewpoint {
     }
 
     /// The view after a walk of `degrees` around the target: the eye and its directions are turned
-    /// together about `axis`, by the right hand rule. An axis without a direction turns nothing.
+    /// together about `axis`, by the right hand rule. No degrees, or an axis without a direction, leave
+    /// the view as it is, to the bit.
     pub fn turned(&self, axis: DVec3, degrees: f64) -> Self {
-        let Some(axis) = axis.try_normalize() else { return *self };
+        let Some(axis) = axis.try_normalize().filter(|_| degrees != 0.0) else { return *self };
         let turn = DQuat::from_axis_angle(axis, degrees.to_radians());
         Self {
             eye: self.target + turn * (self.eye - self.target),
