@@ -11,7 +11,7 @@ ray caster has no isosurfaces: those stand beside its shaded picture of the same
 Runs with a Python that has numpy, pillow and vtk. Folders: PEERS_DATA (synthetic volumes), PEERS_IMG (pictures and
 references), PEERS_RESULTS (VTK's log), by default in /tmp/peers.
 """
-import argparse, json, math, os, pathlib, shlex, statistics, subprocess, sys, tempfile
+import argparse, json, math, os, pathlib, resource, shlex, statistics, subprocess, sys, tempfile, time
 
 import numpy as np
 from PIL import Image
@@ -52,13 +52,23 @@ def time_vtk(scene, options):
     return told['median_ms'], told['cores_used']
 
 
+def child_seconds():
+    """Processor time of all programs run so far."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def time_pellucid(scene, options, folder):
     document = pathlib.Path(folder) / f'{scene}.toml'
     document.write_text(peers_scene.convert(peers_scene.read(scene), options.size, data=ENV['PEERS_DATA']))
+    started, before = time.perf_counter(), child_seconds()
     told = json.loads(run([options.pellucid, 'bench', document, '--frames', options.frames, '--json', '-', '--quiet',
                            '--orbit', peers_scene.read(scene)['orbit']['degrees'],
                            '--picture', picture(scene, options.size, 'pellucid'), *shlex.split(options.args)]))
-    return told['scenes'][0]['orbit']['timing']['median_ms'], told['machine']
+    # Of the whole process: reading the volume counts as well.
+    used = (child_seconds() - before) / (time.perf_counter() - started)
+    timing = told['scenes'][0]['orbit']['timing']
+    return timing['median_ms'], used, timing['threads'], told['machine']
 
 
 def picture(scene, size, what):
@@ -84,29 +94,31 @@ def error(file, truth):
 
 
 def measure(scenes, options):
-    """A record per scene, all measured in turn."""
-    ours, theirs, cores, machine = {}, {}, {}, None
+    """A record per scene, all measured in turn, and the machine."""
+    ours, theirs, machine = {}, {}, None
     with tempfile.TemporaryDirectory() as folder:
         for turn in range(options.rounds):
             for scene in scenes:
                 # A scene and its isosurface stand beside the same frames of VTK.
-                if len(theirs.setdefault(vtk_name(scene), [])) == turn:
-                    ms, used = time_vtk(vtk_name(scene), options)
-                    theirs[vtk_name(scene)].append(ms)
-                    cores.setdefault(vtk_name(scene), []).append(used)
-                ms, machine = time_pellucid(scene, options, folder)
-                ours.setdefault(scene, []).append(ms)
-                print(f'round {turn + 1} of {options.rounds}: {scene}: {ms:.1f} ms, VTK {theirs[vtk_name(scene)][-1]:.1f} ms',
+                vtk = theirs.setdefault(vtk_name(scene), [])
+                if len(vtk) == turn:
+                    vtk.append(time_vtk(vtk_name(scene), options))
+                *timed, machine = time_pellucid(scene, options, folder)
+                ours.setdefault(scene, []).append(timed)
+                print(f'round {turn + 1} of {options.rounds}: {scene}: {timed[0]:.1f} ms, VTK {vtk[turn][0]:.1f} ms',
                       file=sys.stderr, flush=True)
-    return [record(scene, ours[scene], theirs[vtk_name(scene)], cores[vtk_name(scene)], options) for scene in scenes], machine
+    return [record(scene, ours[scene], theirs[vtk_name(scene)], options) for scene in scenes], machine
 
 
-def record(scene, ours, theirs, cores, options):
+def record(scene, ours, theirs, options):
     truth = reference(scene, options.size)
-    ms, vtk_ms = statistics.median(ours), statistics.median(theirs)
+    ms, used, threads = zip(*ours)
+    vtk_ms, vtk_used = zip(*theirs)
     same = vtk_name(scene) == scene
-    return dict(scene=scene, pellucid_ms=ms, vtk_ms=vtk_ms, ratio=vtk_ms / ms, rounds_ms=ours, vtk_rounds_ms=theirs,
-                vtk_cores_used=statistics.median(cores), pellucid_error=error(picture(scene, options.size, 'pellucid'), truth),
+    return dict(scene=scene, pellucid_ms=statistics.median(ms), vtk_ms=statistics.median(vtk_ms),
+                ratio=statistics.median(vtk_ms) / statistics.median(ms), rounds_ms=ms, vtk_rounds_ms=vtk_ms,
+                threads=threads[0], cores_used=statistics.median(used), vtk_cores_used=statistics.median(vtk_used),
+                pellucid_error=error(picture(scene, options.size, 'pellucid'), truth),
                 vtk_error=error(picture(scene, options.size, 'vtk_cpu'), truth) if same else None)
 
 
@@ -122,9 +134,15 @@ def summary(records):
 
 
 def warnings(records, machine):
-    """VTK's mapper may leave cores idle; the ratio then is not that of equal means."""
-    return [f'VTK used {record["vtk_cores_used"]:.2f} of {machine["cores"]} cores on {vtk_name(record["scene"])}'
-            for record in records if record['vtk_cores_used'] < 0.9 * machine['cores']]
+    """A program that had not all its cores was not measured fairly: something else ran, or it cannot use them."""
+    told = {}
+    for record in records:
+        pairs = [('pellucid', record['scene'], record['cores_used'], record['threads'], 0.7),
+                 ('VTK', vtk_name(record['scene']), record['vtk_cores_used'], machine['cores'], 0.9)]
+        for program, scene, used, cores, least in pairs:
+            if used < least * cores:
+                told[program, scene] = f'{program} used {used:.2f} of {cores} cores on {scene}'
+    return list(told.values())
 
 
 def tables(records, groups):

@@ -11,6 +11,8 @@ import argparse, json, pathlib
 # Beside the checkout, or further up.
 SHARED = next((folder / 'shared' for folder in pathlib.Path(__file__).resolve().parents
                if (folder / 'shared' / 'peers').is_dir()), None)
+if SHARED is None:
+    raise SystemExit('there is no folder shared/peers beside this checkout or above it')
 DATA = pathlib.Path('/tmp/peers/data')
 TYPES = dict(uint8='u8', uint16='u16', int16='i16', float32='f32')
 
