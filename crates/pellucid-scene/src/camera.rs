@@ -1,6 +1,6 @@
 //! Cameras: how rays leave the eye.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -151,6 +151,7 @@ impl Camera {
         let eye = |distance: f64| target + back * distance;
         let common = |eye, half_height, perspective| Viewpoint {
             eye,
+            target,
             right,
             up,
             forward: -back,
@@ -245,6 +246,8 @@ impl Ray {
 pub struct Viewpoint {
     /// World position of the eye (of the middle of the image plane, if orthographic).
     pub eye: DVec3,
+    /// World position in the middle of the picture, which the eye turns about.
+    pub target: DVec3,
     /// Unit direction of picture +x.
     pub right: DVec3,
     /// Unit direction of picture up.
@@ -272,6 +275,21 @@ impl Viewpoint {
             Ray { origin: self.eye, direction: (self.forward + across + upward).normalize() }
         } else {
             Ray { origin: self.eye + across + upward, direction: self.forward }
+        }
+    }
+
+    /// The view after a walk of `degrees` around the target: the eye and its directions are turned
+    /// together about `axis`, by the right hand rule. No degrees, or an axis without a direction, leave
+    /// the view as it is, to the bit.
+    pub fn turned(&self, axis: DVec3, degrees: f64) -> Self {
+        let Some(axis) = axis.try_normalize().filter(|_| degrees != 0.0) else { return *self };
+        let turn = DQuat::from_axis_angle(axis, degrees.to_radians());
+        Self {
+            eye: self.target + turn * (self.eye - self.target),
+            right: turn * self.right,
+            up: turn * self.up,
+            forward: turn * self.forward,
+            ..*self
         }
     }
 

@@ -2,10 +2,6 @@
 
 use std::fmt;
 
-use pellucid_optics::srgb_encode;
-
-use crate::{Background, Encoding, ImageSettings};
-
 /// A drawn picture and what was measured on the way; rows from the top, `width * height` each.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
@@ -82,42 +78,5 @@ impl Frame {
             samples: vec![0; n],
             ..Self::default()
         }
-    }
-
-    /// The pixel over its background, exposed: linear RGB, not associated, and alpha.
-    pub fn composited(&self, pixel: usize, image: &ImageSettings) -> [f32; 4] {
-        let [r, g, b, a] = self.color[pixel];
-        let behind = image.background.at(pixel / self.width, self.height);
-        let through = 1.0 - a;
-        let alpha = a + through * behind[3];
-        let rgb = [r + through * behind[0], g + through * behind[1], b + through * behind[2]];
-        // Only a transparent background leaves alpha below 1; files hold colours not associated.
-        let divide = if image.background == Background::Transparent && alpha > 0.0 { alpha } else { 1.0 };
-        let [r, g, b] = rgb.map(|c| c / divide * image.exposure);
-        [r, g, b, alpha]
-    }
-
-    /// The picture as 8-bit RGBA, encoded as the settings say.
-    pub fn to_rgba8(&self, image: &ImageSettings) -> Vec<u8> {
-        self.quantized(image, 255.0, |v| v as u8)
-    }
-
-    /// The picture as 16-bit RGBA, encoded as the settings say.
-    pub fn to_rgba16(&self, image: &ImageSettings) -> Vec<u16> {
-        self.quantized(image, 65535.0, |v| v as u16)
-    }
-
-    fn quantized<T>(&self, image: &ImageSettings, levels: f32, cast: impl Fn(f32) -> T) -> Vec<T> {
-        let encode = |c: f32| match image.encoding {
-            Encoding::Srgb => srgb_encode(c.clamp(0.0, 1.0)),
-            Encoding::Linear => c.clamp(0.0, 1.0),
-        };
-        let mut values = Vec::with_capacity(self.color.len() * 4);
-        for pixel in 0..self.color.len() {
-            let [r, g, b, a] = self.composited(pixel, image);
-            let rgba = [encode(r), encode(g), encode(b), a.clamp(0.0, 1.0)];
-            values.extend(rgba.map(|v| cast((v * levels).round())));
-        }
-        values
     }
 }

@@ -14,12 +14,14 @@ mod choice;
 mod clip;
 mod control;
 mod document;
+mod encode;
 mod frame;
 mod image;
 mod locate;
 mod quality;
 mod resolve;
 mod scene;
+mod srgb8;
 mod technique;
 
 pub use blue_noise::blue_noise;

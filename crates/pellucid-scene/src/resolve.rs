@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use pellucid_field::{FieldError, Grid, Volume};
-use pellucid_optics::{GradientWeight, Light, Material, OpticsError, ResolvedLight, TransferFunction};
+use pellucid_optics::{GradientWeight, Light, Lighting, Material, OpticsError, ResolvedLight, TransferFunction};
 
 use crate::auto;
 use crate::choice::Choice;
@@ -117,7 +117,7 @@ impl Scene {
         choices.extend(auto::camera_choice(&self.camera, &viewpoint));
         let smallest = staged.iter().map(|v| v.volume.grid().smallest_spacing()).fold(f64::INFINITY, f64::min);
         let stage = Stage {
-            lights: self.world_lights(&viewpoint)?,
+            lights: world_lights(&self.lighting, &viewpoint)?,
             ambient: self.lighting.ambient,
             volumes: staged,
             viewpoint,
@@ -174,16 +174,29 @@ impl Scene {
         }
         technique
     }
+}
 
-    fn world_lights(&self, view: &Viewpoint) -> Result<Vec<ResolvedLight>, ResolveError> {
-        let world_from_camera =
-            DAffine3 { matrix3: DMat3::from_cols(view.right, view.up, -view.forward), translation: view.eye };
-        let resolve = |(k, light): (usize, &Light)| {
-            let path = format!("lighting.lights[{k}]");
-            light.resolve(world_from_camera).map_err(|error| ResolveError::Optics { path, error })
-        };
-        self.lighting.lights.iter().enumerate().map(resolve).collect()
+impl Stage {
+    /// Moves the eye, and with it the lights of the scene's `lighting` that stand in its frame.
+    /// Nothing else is chosen anew.
+    ///
+    /// # Errors
+    /// [`ResolveError::Optics`] for a light that cannot be.
+    pub fn look_from(&mut self, viewpoint: Viewpoint, lighting: &Lighting) -> Result<(), ResolveError> {
+        self.lights = world_lights(lighting, &viewpoint)?;
+        self.viewpoint = viewpoint;
+        Ok(())
     }
+}
+
+fn world_lights(lighting: &Lighting, view: &Viewpoint) -> Result<Vec<ResolvedLight>, ResolveError> {
+    let world_from_camera =
+        DAffine3 { matrix3: DMat3::from_cols(view.right, view.up, -view.forward), translation: view.eye };
+    let resolve = |(k, light): (usize, &Light)| {
+        let path = format!("lighting.lights[{k}]");
+        light.resolve(world_from_camera).map_err(|error| ResolveError::Optics { path, error })
+    };
+    lighting.lights.iter().enumerate().map(resolve).collect()
 }
 
 /// A grid with the same axes and origin and another distance between samples.

@@ -203,3 +203,29 @@ proptest! {
         prop_assert!(reach > 0.95, "{reach}");
     }
 }
+
+proptest! {
+    /// Turning a view about its up hint is looking from the turned position, Rodrigues' formula
+    /// written out, with the same hint.
+    #[test]
+    fn a_turned_view_looks_at_its_target_from_the_turned_position(
+        position in [1.0f64..9.0, -9.0..9.0, -9.0..9.0], target in [-9.0f64..0.9, -9.0..9.0, -9.0..9.0],
+        up in [-0.2f64..0.2, -0.2..0.2, 0.5..1.0], degrees in -400.0f64..400.0,
+    ) {
+        let look = LookAt { position, target, up };
+        let [from, to, hint] = [position, target, up].map(DVec3::from_array);
+        prop_assume!((from - to).cross(hint).length() > 0.1);
+        let axis = hint.normalize();
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let offset = from - to;
+        let turned = offset * cos + axis.cross(offset) * sin + axis * axis.dot(offset) * (1.0 - cos);
+        let expected = LookAt { position: (to + turned).to_array(), ..look };
+        let [view, expected] = [look, expected].map(|look| camera(perspective(30.0), View::LookAt(look)).viewpoint(7, 5, &CUBE));
+        let view = view.turned(hint, degrees);
+        prop_assert!(view.target == to && view.half_height == expected.half_height);
+        for (a, b) in [(view.eye, expected.eye), (view.right, expected.right), (view.up, expected.up), (view.forward, expected.forward)] {
+            prop_assert!(close(a, b), "{view:?} {expected:?}");
+        }
+        prop_assert_eq!((view.turned(DVec3::ZERO, 90.0), view.turned(hint, 0.0)), (view, view));
+    }
+}

@@ -1,6 +1,6 @@
 //! From linear associated radiance to picture numbers.
 
-use pellucid_optics::Color;
+use pellucid_optics::{Color, srgb_encode};
 use pellucid_scene::{Background, Encoding, Frame, ImageSettings, RenderWarning};
 
 fn frame(pixels: &[[f32; 4]]) -> Frame {
@@ -85,4 +85,33 @@ fn numbers_out_of_range_are_clamped() {
         let frame = frame(&[[7.0, -1.0, f32::NAN, 1.0], [f32::INFINITY, 0.0, 0.0, 1.0]]);
         assert_eq!(frame.to_rgba8(&image), [255, 0, 0, 255, 255, 0, 0, 255]);
     }
+}
+
+/// Every pixel by the formulas, one by one: rows, threads and tables must not show.
+#[test]
+fn a_large_picture_is_encoded_pixel_by_pixel() {
+    let (width, height) = (301, 203);
+    let mut frame = Frame::new(width, height);
+    for (k, color) in frame.color.iter_mut().enumerate() {
+        let part = |period: usize| (k % period) as f32 / (period - 1) as f32;
+        let alpha = part(97);
+        *color = [part(1009) * alpha, part(211) * alpha, 1.2 * part(13) * alpha, alpha];
+    }
+    let gradient = Background::Gradient { top: Color::hex(0xff8000), bottom: Color::hex(0x102030) };
+    for background in [Background::Transparent, Background::Color(Color::hex(0x336699)), gradient] {
+        for encoding in [Encoding::Srgb, Encoding::Linear] {
+            let image = ImageSettings { encoding, exposure: 0.9, ..settings(background.clone()) };
+            let (eight, sixteen) = (frame.to_rgba8(&image), frame.to_rgba16(&image));
+            assert_eq!((eight.len(), sixteen.len()), (width * height * 4, width * height * 4));
+            for pixel in 0..width * height {
+                let [r, g, b, a] = frame.composited(pixel, &image).map(|v| v.clamp(0.0, 1.0));
+                let curve = |c: f32| if encoding == Encoding::Srgb { srgb_encode(c) } else { c };
+                let expected = [curve(r), curve(g), curve(b), a];
+                let at = pixel * 4..pixel * 4 + 4;
+                assert_eq!(eight[at.clone()], expected.map(|v| (v * 255.0).round() as u8), "{pixel} {image:?}");
+                assert_eq!(sixteen[at], expected.map(|v| (v * 65535.0).round() as u16), "{pixel} {image:?}");
+            }
+        }
+    }
+    assert!(Frame::default().to_rgba8(&ImageSettings::default()).is_empty());
 }

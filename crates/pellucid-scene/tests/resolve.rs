@@ -261,6 +261,19 @@ fn a_headlight_follows_the_camera_and_a_lamp_does_not() {
 }
 
 #[test]
+fn looking_from_elsewhere_is_resolving_with_another_camera() {
+    let mut scene = scene(entry());
+    scene.lighting.lights.push(Light::new(LightKind::Directional { direction: [0.0, 0.0, -1.0] }));
+    let (mut stage, _) = resolved(&scene);
+    let mut elsewhere = scene.clone();
+    elsewhere.camera.view = View::LookAt(LookAt { position: [9.0; 3], target: [0.0; 3], up: [0.0, 0.0, 1.0] });
+    let (expected, _) = resolved(&elsewhere);
+    assert_ne!(stage.lights[0], expected.lights[0], "the headlight moves");
+    stage.look_from(expected.viewpoint, &scene.lighting).unwrap();
+    assert_eq!((stage.viewpoint, &stage.lights), (expected.viewpoint, &expected.lights));
+}
+
+#[test]
 fn the_camera_chosen_is_said_and_a_given_one_is_not() {
     let (_, choices) = resolved(&scene(entry()));
     assert!(chose(&choices, "camera").unwrap().contains("azimuth 30 and elevation 20 degrees"));

@@ -1,6 +1,7 @@
 //! What a picture is made of: a volume file, a scene, or a built-in field.
 
 use std::convert::Infallible;
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -30,6 +31,16 @@ impl FromStr for Input {
         }
         let path = PathBuf::from(text);
         Ok(Format::of(&path).map_or_else(|| Self::Volume(path.clone()), |format| Self::Scene(path.clone(), format)))
+    }
+}
+
+/// As it was written on the command line.
+impl fmt::Display for Input {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sample(text) => write!(f, "sample:{text}"),
+            Self::Scene(path, _) | Self::Volume(path) => path.display().fmt(f),
+        }
     }
 }
 

@@ -1,7 +1,9 @@
 //! The command line: one file per subcommand, one per concern.
 
+mod bench;
 mod completions;
 mod convert;
+mod engine;
 mod failure;
 mod flags;
 mod histogram;
@@ -53,6 +55,9 @@ enum Command {
     /// Draw a picture of a volume or a scene
     #[command(after_long_help = render::EXAMPLES)]
     Render(Box<render::RenderArgs>),
+    /// Measure how fast scenes and volumes are drawn
+    #[command(after_long_help = bench::EXAMPLES)]
+    Bench(Box<bench::BenchArgs>),
     /// Tell what is in volume files, with a histogram
     Info(info::InfoArgs),
     /// Write a built-in field to a volume file
@@ -80,6 +85,7 @@ pub fn main() -> ExitCode {
     };
     let done = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Sample(args) => sample::run(&args),
         Command::Convert(args) => convert::run(&args),

@@ -1,8 +1,9 @@
 //! Files the command writes.
 
+use std::io::Write;
 use std::path::Path;
 
-use pellucid::io::AtomicFile;
+use pellucid::io::{AtomicFile, IoError};
 
 use super::failure::Failure;
 
@@ -14,4 +15,11 @@ pub fn writable(path: &Path) -> Result<(), Failure> {
     // Begun and dropped: nothing is left behind.
     AtomicFile::create(path)?;
     Ok(())
+}
+
+/// Writes a text, whole or not at all.
+pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    let mut file = AtomicFile::create(path)?;
+    file.write_all(text.as_bytes()).map_err(|source| IoError::Io { path: path.to_owned(), source })?;
+    Ok(file.commit()?)
 }

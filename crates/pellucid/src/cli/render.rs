@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use pellucid::field::Volume;
-use pellucid::io::{AtomicFile, IoError};
+use pellucid::io::IoError;
 use pellucid::scene::{Cancel, Control, Format, Frame, ImageSettings, Scene, Source, Stage};
-use pellucid::{Backend, PngDepth, Renderer, load, save_exr, save_png};
+use pellucid::{PngDepth, Renderer, load, save_exr, save_png};
 use serde_json::{Value, json};
 
+use super::engine::Engine;
 use super::failure::Failure;
-use super::flags::SceneFlags;
+use super::flags::{SceneFlags, Staged};
 use super::info::choices_json;
 use super::input::{Base, Input, RawFlags};
 use super::progress::Progress;
@@ -31,8 +31,6 @@ Examples:
   pellucid render scene.toml --size 1920x1080 --supersampling 2 -o hd.exr
   pellucid render ct.nrrd --clip 0,1,0,0,-20,0 --save-scene clipped.toml -o clipped.png";
 
-const BACKENDS: [(&str, Backend); 2] = [("auto", Backend::Auto), ("cpu", Backend::Cpu)];
-
 #[derive(clap::Args)]
 pub struct RenderArgs {
     /// A volume file, a scene (.toml, .json), or a built-in field as sample:NAME or
@@ -40,6 +38,8 @@ pub struct RenderArgs {
     input: Input,
     #[command(flatten)]
     output: OutputFlags,
+    #[command(flatten)]
+    engine: Engine,
     #[command(flatten)]
     scene: SceneFlags,
     #[command(flatten)]
@@ -63,12 +63,6 @@ struct OutputFlags {
     /// nothing is drawn
     #[arg(long, value_name = "FILE")]
     save_scene: Option<PathBuf>,
-    /// What draws
-    #[arg(long, value_name = "BACKEND", value_parser = values::word(&BACKENDS), default_value = "auto")]
-    backend: Backend,
-    /// Threads to draw with, 1 to 1024; the picture is the same for any number [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
     /// Print one JSON object to standard output: input, choices, warnings, timings, statistics
     #[arg(long, requires = "output")]
     json: bool,
@@ -83,23 +77,17 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let report = Report { quiet: args.output.quiet };
     let cancel = interrupt::listen();
     let base = args.input.open(&args.raw)?;
-    let mut scene = args.scene.apply(&base.scene)?;
+    let scene = args.scene.apply(&base.scene)?;
     args.output.check()?;
     affordable(&scene.image)?;
 
     let started = Instant::now();
     let (volumes, warnings) = load(&scene, &base.folder)?;
     let load_seconds = started.elapsed().as_secs_f64();
-    let (mut stage, mut choices) = scene.resolve(&volumes)?;
-    if let Some(settled) = args.scene.settle(&base.scene, &stage)? {
-        scene = settled;
-        (stage, choices) = scene.resolve(&volumes)?;
-    }
-    volumes.iter().for_each(|volume| report.say(describe(volume)));
-    choices.iter().for_each(|choice| report.say(choice));
+    let Staged { scene, stage, choices } = args.scene.stage(&base.scene, scene, &volumes)?;
     let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     warnings.extend_from_slice(args.scene.warnings());
-    warnings.iter().for_each(|warning| report.warn(warning));
+    report.opening(&volumes, &choices, &warnings);
     if let Some(path) = &args.output.save_scene {
         interrupt::gracefully(|| save_scene(path, &scene, &base))?;
         report.say(format_args!("wrote {}", path.display()));
@@ -107,10 +95,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let Some(output) = &args.output.output else { return Ok(()) };
 
     let (frame, save_seconds, backend) = interrupt::gracefully(|| {
-        let mut renderer = match args.output.threads {
-            Some(threads) => Renderer::with_threads(args.output.backend, threads.into()),
-            None => Renderer::new(args.output.backend),
-        }?;
+        let mut renderer = args.engine.renderer()?;
         let frame = draw(&mut renderer, &stage, &cancel, report)?;
         let saving = Instant::now();
         args.output.save(output, &frame, &scene.image)?;
@@ -156,15 +141,6 @@ fn draw(renderer: &mut Renderer, stage: &Stage, cancel: &Cancel, report: Report)
     Ok(renderer.render(stage, &control)?)
 }
 
-fn describe(volume: &Volume) -> String {
-    let grid = volume.grid();
-    let [x, y, z] = grid.dims();
-    let [sx, sy, sz] = grid.spacing();
-    let unit = volume.length_unit.as_deref().unwrap_or("world units");
-    let voxel_type = volume.voxels().voxel_type();
-    format!("{}: {x}x{y}x{z} {voxel_type}, spacing {sx:.4} x {sy:.4} x {sz:.4} {unit}", volume.name)
-}
-
 impl OutputFlags {
     /// Refuses before a long render what could not be written after it.
     fn check(&self) -> Result<(), Failure> {
@@ -192,7 +168,7 @@ impl OutputFlags {
 }
 
 /// Refuses a picture that does not fit into memory, where the drawing would be killed.
-fn affordable(image: &ImageSettings) -> Result<(), Failure> {
+pub fn affordable(image: &ImageSettings) -> Result<(), Failure> {
     /// The frame with all layers, and as much again while it is put together or written.
     const BYTES_PER_PIXEL: usize = 100;
     let bytes = (image.width as usize * image.height as usize).saturating_mul(BYTES_PER_PIXEL);
@@ -217,10 +193,7 @@ fn save_scene(path: &Path, scene: &Scene, base: &Base) -> Result<(), Failure> {
     }
     let format = Format::of(path).unwrap_or(Format::Toml);
     let text = scene.to_text(format).map_err(Failure::input)?;
-    let mut file = AtomicFile::create(path)?;
-    let written = std::io::Write::write_all(&mut file, text.as_bytes());
-    written.map_err(|source| IoError::Io { path: path.to_owned(), source })?;
-    Ok(file.commit()?)
+    output::write(path, &text)
 }
 
 fn statistics(frame: &Frame) -> Value {

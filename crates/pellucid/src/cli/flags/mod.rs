@@ -4,10 +4,13 @@ mod camera;
 mod clipping;
 mod look;
 mod picture;
-mod quality;
+pub mod quality;
 mod technique;
 
-use pellucid::scene::{Camera, Scene, Stage, VolumeEntry};
+use std::sync::Arc;
+
+use pellucid::field::Volume;
+use pellucid::scene::{Camera, Choice, Scene, Stage, VolumeEntry};
 
 use super::failure::Failure;
 use super::set::Setting;
@@ -39,6 +42,13 @@ pub struct SceneFlags {
     settings: Vec<Setting>,
 }
 
+/// A scene with nothing left to its flags, and what it resolves to.
+pub struct Staged {
+    pub scene: Scene,
+    pub stage: Stage,
+    pub choices: Vec<Choice>,
+}
+
 impl SceneFlags {
     /// The scene with all flags applied, and checked.
     pub fn apply(&self, base: &Scene) -> Result<Scene, Failure> {
@@ -50,11 +60,19 @@ impl SceneFlags {
         self.look.warnings()
     }
 
+    /// The stage of the scene that [`SceneFlags::apply`] made of `base`, once what flags leave to the
+    /// loaded volumes is filled in.
+    pub fn stage(&self, base: &Scene, scene: Scene, volumes: &[Arc<Volume>]) -> Result<Staged, Failure> {
+        let (stage, choices) = scene.resolve(volumes)?;
+        let Some(scene) = self.settle(base, &stage)? else { return Ok(Staged { scene, stage, choices }) };
+        let (stage, choices) = scene.resolve(volumes)?;
+        Ok(Staged { scene, stage, choices })
+    }
+
     /// Fills in what depends on the volumes and on what was chosen for them: a slice position in
     /// percent, and the rest of a material of which flags give some numbers. `None` if there is no
-    /// such flag. `base` is the scene before the flags, `stage` what the scene of
-    /// [`SceneFlags::apply`] resolved to.
-    pub fn settle(&self, base: &Scene, stage: &Stage) -> Result<Option<Scene>, Failure> {
+    /// such flag.
+    fn settle(&self, base: &Scene, stage: &Stage) -> Result<Option<Scene>, Failure> {
         let mut scene = self.named(base)?;
         let Some(volume) = stage.volumes.first() else { return Ok(None) };
         let placed = self.technique.place(&mut scene, volume);

@@ -5,7 +5,8 @@ use pellucid::scene::{Classification, Jitter, Scene};
 
 use crate::cli::values;
 
-const FILTERS: [(&str, Filter); 7] = [
+/// Every kind of reconstruction by its name.
+pub const FILTERS: [(&str, Filter); 7] = [
     ("nearest", Filter::Nearest),
     ("linear", Filter::Linear),
     ("b-spline", Filter::BSpline { prefilter: true }),
@@ -15,7 +16,8 @@ const FILTERS: [(&str, Filter); 7] = [
     ("lanczos", Filter::Sinc { window: SincWindow::Lanczos, half_width: 3 }),
 ];
 
-const GRADIENTS: [(&str, Gradient); 8] = [
+/// Every gradient estimator by its name.
+pub const GRADIENTS: [(&str, Gradient); 8] = [
     ("forward", Gradient::Forward),
     ("backward", Gradient::Backward),
     ("central", Gradient::Central),
