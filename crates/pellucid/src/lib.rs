@@ -37,7 +37,7 @@ mod renderer;
 mod save;
 
 pub use load::{LoadError, load};
-pub use pellucid_cpu::RenderError;
+pub use pellucid_cpu::{InstructionSet, RenderError};
 pub use renderer::{Backend, Renderer};
 pub use save::{PngDepth, SaveError, save, save_exr, save_png};
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use pellucid_cpu::{CpuRenderer, RenderError};
+use pellucid_cpu::{CpuRenderer, InstructionSet, RenderError};
 use pellucid_scene::{Control, Frame, Stage};
 
 /// What draws a stage. Every backend draws the same picture.
@@ -53,6 +53,20 @@ impl Renderer {
         }
     }
 
+    /// The same renderer with other processor instructions. The picture depends on them by
+    /// roundings only.
+    ///
+    /// # Errors
+    /// [`RenderError::Instructions`] if the machine lacks them.
+    pub fn with_instructions(self, set: InstructionSet) -> Result<Self, RenderError> {
+        Ok(Self { cpu: self.cpu.with_instructions(set)? })
+    }
+
+    /// The processor instructions that are used; never [`InstructionSet::Auto`].
+    pub fn instructions(&self) -> InstructionSet {
+        self.cpu.instructions()
+    }
+
     /// The backend that draws; never [`Backend::Auto`].
     pub fn backend(&self) -> Backend {
         Backend::Cpu
@@ -64,5 +78,13 @@ impl Renderer {
     /// [`RenderError`]; nothing of an unfinished frame is returned.
     pub fn render(&mut self, stage: &Stage, control: &Control) -> Result<Frame, RenderError> {
         self.cpu.render(stage, control)
+    }
+
+    /// Draws a frame into one that is there; nothing is allocated if it has the right size.
+    ///
+    /// # Errors
+    /// [`RenderError`]; the frame is then what it was before.
+    pub fn render_into(&mut self, stage: &Stage, control: &Control, frame: &mut Frame) -> Result<(), RenderError> {
+        self.cpu.render_into(stage, control, frame)
     }
 }

@@ -57,23 +57,24 @@ impl<'a> Meter<'a> {
         self.plan.frames
     }
 
-    /// Times one frame: the `change` of the stage, drawing it, and its picture as 8-bit numbers in
+    /// Times one frame drawn into `frame`: the `change` of the stage, drawing it, and its picture as 8-bit numbers in
     /// memory.
     pub fn frame(
         &mut self,
         stage: &mut Stage,
+        frame: &mut Frame,
         change: impl FnOnce(&mut Stage) -> Result<(), Failure>,
-    ) -> Result<(Lap, Frame), Failure> {
+    ) -> Result<Lap, Failure> {
         let control = Control { progress: None, cancel: Some(self.plan.cancel) };
         interrupt::gracefully(|| {
             let started = Instant::now();
             change(stage)?;
-            let frame = self.renderer.render(stage, &control)?;
+            self.renderer.render_into(stage, &control, frame)?;
             let encoding = Instant::now();
             black_box(frame.to_rgba8(&stage.image));
             let encode = encoding.elapsed().as_secs_f64();
             let total = started.elapsed().as_secs_f64();
-            Ok((Lap { total, encode, statistics: frame.statistics }, frame))
+            Ok(Lap { total, encode, statistics: frame.statistics })
         })
     }
 
@@ -85,14 +86,15 @@ impl<'a> Meter<'a> {
         mut change: impl FnMut(usize, &mut Stage) -> Result<(), Failure>,
     ) -> Result<(Timing, Frame), Failure> {
         let progress = Progress::new("timing", self.plan.quiet);
+        let mut frame = Frame::default();
         for _ in 0..self.plan.warmup {
-            self.frame(stage, |stage| change(0, stage))?;
+            self.frame(stage, &mut frame, |stage| change(0, stage))?;
         }
-        let (lap, first) = self.frame(stage, |stage| change(0, stage))?;
-        let mut laps = vec![lap];
+        let mut laps = vec![self.frame(stage, &mut frame, |stage| change(0, stage))?];
+        let first = frame.clone();
         for k in 1..self.plan.frames {
             progress.report(k as f64 / self.plan.frames as f64);
-            laps.push(self.frame(stage, |stage| change(k, stage))?.0);
+            laps.push(self.frame(stage, &mut frame, |stage| change(k, stage))?);
         }
         Ok((Timing { laps, threads: self.threads }, first))
     }

@@ -61,7 +61,8 @@ impl Subject {
         report.opening(&volumes, &choices, &warnings);
         let drawing = Instant::now();
         let mut meter = Meter::new(plan)?;
-        let (_, frame) = meter.frame(&mut stage, |_| Ok(()))?;
+        let mut frame = Frame::default();
+        meter.frame(&mut stage, &mut frame, |_| Ok(()))?;
         let first_ms = (chosen + drawing.elapsed()).as_secs_f64() * 1e3;
         for warning in &frame.warnings {
             report.warn(warning);
