@@ -4,7 +4,7 @@ use glam::DVec3;
 use pellucid_field::{Filter, Volume};
 use pellucid_optics::{Nodes, PreIntegration, StepTable, Table};
 
-use crate::field::{Field, lane_position};
+use crate::field::lane_position;
 use crate::lanes::*;
 
 /// A table of linear RGB and opacity in the shape lanes look it up (4.1-4).
@@ -96,8 +96,6 @@ fn cell<S: Lanes>(s: S, limited: F32<S>, last: usize) -> (I32<S>, F32<S>) {
 
 /// Classified samples.
 pub struct Classified<S: Lanes> {
-    /// Data values; NaN where absent.
-    pub value: F32<S>,
     /// Associated linear RGB and opacity of one step.
     pub rgba: [F32<S>; 4],
     /// Lanes with any opacity.
@@ -106,9 +104,8 @@ pub struct Classified<S: Lanes> {
 
 /// Classifies single samples.
 pub trait Classify: Sync {
-    /// The samples at index positions, or `None` if none has any opacity.
-    fn classify<S: Lanes, F: Field<S>>(&self, s: S, field: &F, index: Vec3<S>, lanes: Mask<S>)
-    -> Option<Classified<S>>;
+    /// The samples at index positions with these values, or `None` if none has any opacity.
+    fn classify<S: Lanes>(&self, s: S, value: F32<S>, index: Vec3<S>, lanes: Mask<S>) -> Option<Classified<S>>;
 }
 
 /// The transfer function applied to the interpolated value (4.3-1).
@@ -116,14 +113,7 @@ pub struct Post<'a>(pub Lookup<'a>);
 
 impl Classify for Post<'_> {
     #[inline(always)]
-    fn classify<S: Lanes, F: Field<S>>(
-        &self,
-        s: S,
-        field: &F,
-        index: Vec3<S>,
-        lanes: Mask<S>,
-    ) -> Option<Classified<S>> {
-        let value = field.values(s, index, lanes);
+    fn classify<S: Lanes>(&self, s: S, value: F32<S>, _: Vec3<S>, lanes: Mask<S>) -> Option<Classified<S>> {
         let position = self.0.position(s, value);
         let candidates = lanes & self.0.may_be_visible(s, position);
         if !candidates.any_true() {
@@ -131,7 +121,7 @@ impl Classify for Post<'_> {
         }
         let rgba = self.0.at(s, position);
         let visible = candidates & rgba[3].simd_gt(splat(s, 0.0));
-        Some(Classified { value, rgba, visible })
+        Some(Classified { rgba, visible })
     }
 }
 
@@ -150,13 +140,7 @@ pub struct Pre<'a> {
 
 impl Classify for Pre<'_> {
     #[inline(always)]
-    fn classify<S: Lanes, F: Field<S>>(
-        &self,
-        s: S,
-        field: &F,
-        index: Vec3<S>,
-        lanes: Mask<S>,
-    ) -> Option<Classified<S>> {
+    fn classify<S: Lanes>(&self, s: S, _: F32<S>, index: Vec3<S>, lanes: Mask<S>) -> Option<Classified<S>> {
         let mut rgba = [splat(s, 0.0); 4];
         let bits = lanes.to_bitmask();
         for lane in (0..width::<S>()).filter(|lane| bits >> lane & 1 == 1) {
@@ -168,7 +152,7 @@ impl Classify for Pre<'_> {
         if !visible.any_true() {
             return None;
         }
-        Some(Classified { value: field.values(s, index, lanes), rgba, visible })
+        Some(Classified { rgba, visible })
     }
 }
 

@@ -109,12 +109,11 @@ impl<S: Lanes, F: Field<S>, C: Classify> Integrator for Composite<'_, S, F, C> {
                     medium.skip.as_ref(),
                     &mut counter,
                     #[inline(always)]
-                    |sample, counter| {
-                        let Some(Classified { value, mut rgba, visible }) =
-                            self.classifier.classify(s, &medium.field, sample.index, sample.lanes)
-                        else {
-                            return all(s, false);
-                        };
+                    |sample| medium.field.values(s, sample.index, sample.lanes),
+                    #[inline(always)]
+                    |sample, value, counter| {
+                        let classified = self.classifier.classify(s, value, sample.index, sample.lanes);
+                        let Some(Classified { mut rgba, visible }) = classified else { return all(s, false) };
                         counter.see(visible);
                         if sample.shortened {
                             rgba = over_length(s, rgba, sample.ratio);

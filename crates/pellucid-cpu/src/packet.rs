@@ -1,8 +1,6 @@
 //! Rays that are followed side by side.
 
 use crate::lanes::*;
-use crate::lattice::Lattice;
-use crate::span::Span;
 
 /// One number a lane.
 pub type PerLane = [f32; MOST_LANES];
@@ -30,7 +28,7 @@ pub struct Packet {
 }
 
 impl Packet {
-    /// A packet without rays.
+    /// A packet without rays, whose samples lie in the middle of their steps.
     pub const NOTHING: Self = Self {
         origin: [[0.0; MOST_LANES]; 3],
         direction: [[0.0; MOST_LANES]; 3],
@@ -40,27 +38,6 @@ impl Packet {
         last_ratio: [1.0; MOST_LANES],
         entry: [0.0; MOST_LANES],
     };
-
-    /// Puts a ray into a lane.
-    pub fn set(&mut self, lane: usize, span: &Span, lattice: &Lattice) {
-        /// No step is this many voxels; keeps positions finite.
-        const FAR: f64 = 1e30;
-        let (entry, step) = (span.index_at(span.entry), span.index_direction() * lattice.step);
-        for axis in 0..3 {
-            self.origin[axis][lane] = entry[axis] as f32;
-            self.direction[axis][lane] = step[axis].clamp(-FAR, FAR) as f32;
-            self.world_direction[axis][lane] = span.ray.direction[axis] as f32;
-        }
-        self.jitter[lane] = lattice.jitter as f32;
-        self.count[lane] = lattice.count as f32;
-        self.last_ratio[lane] = lattice.last_ratio as f32;
-        self.entry[lane] = span.entry;
-    }
-
-    /// Takes the ray out of a lane.
-    pub fn clear(&mut self, lane: usize) {
-        self.count[lane] = 0.0;
-    }
 }
 
 /// A packet in vectors.
@@ -69,6 +46,8 @@ pub struct Rays<S: Lanes> {
     pub origin: Vec3<S>,
     /// Index-space direction, per step.
     pub direction: Vec3<S>,
+    /// One over the direction, very large along axes that the ray does not move on.
+    pub inverse: Vec3<S>,
     /// Where in a step its sample lies.
     pub jitter: F32<S>,
     /// Number of segments.
@@ -81,9 +60,15 @@ impl<S: Lanes> Rays<S> {
     /// The vectors of a packet.
     #[inline(always)]
     pub fn new(s: S, packet: &Packet) -> Self {
+        let direction = xyz!(I => load(s, &packet.direction[I]));
+        let inverse = xyz!(I => {
+            let slow = direction[I].abs().simd_lt(splat(s, 1e-12));
+            splat(s, 1.0) / slow.select(splat(s, 1e-12), direction[I])
+        });
         Self {
             origin: xyz!(I => load(s, &packet.origin[I])),
-            direction: xyz!(I => load(s, &packet.direction[I])),
+            direction,
+            inverse,
             jitter: load(s, &packet.jitter),
             count: load(s, &packet.count),
             last_ratio: load(s, &packet.last_ratio),

@@ -93,14 +93,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
                 let rays = Rays::new(s, packet);
                 let mut counter = Counter::new(s);
                 let (mut sum, mut length) = (splat(s, 0.0), splat(s, 0.0));
-                each_sample(
-                    s,
-                    &rays,
-                    None,
-                    &mut counter,
-                    #[inline(always)]
-                    |sample, _| {
-                        let value = self.field.values(s, sample.index, sample.lanes);
+                each_sample(s, &rays, None, &mut counter, #[inline(always)] |sample| self.field.values(s, sample.index, sample.lanes), #[inline(always)] |sample, value, _| {
                         let present = sample.lanes & value.is_finite();
                         sum = present.select(value.mul_add(sample.ratio, sum), sum);
                         length = present.select(length + sample.ratio, length);
@@ -166,14 +159,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
                 let rays = Rays::new(s, packet);
                 let mut counter = Counter::new(s);
                 let mut sum = [splat(s, 0.0); 3];
-                each_sample(
-                    s,
-                    &rays,
-                    self.skip.as_ref(),
-                    &mut counter,
-                    #[inline(always)]
-                    |sample, counter| {
-                        let value = self.field.values(s, sample.index, sample.lanes);
+                each_sample(s, &rays, self.skip.as_ref(), &mut counter, #[inline(always)] |sample| self.field.values(s, sample.index, sample.lanes), #[inline(always)] |sample, value, counter| {
                         let [r, g, b, a] = self.table.lookup(s, value);
                         let visible = sample.lanes & a.simd_gt(splat(s, 0.0));
                         counter.see(visible);
@@ -218,14 +204,7 @@ impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
                 let rays = Rays::new(s, packet);
                 let mut counter = Counter::new(s);
                 let mut through = splat(s, 1.0);
-                each_sample(
-                    s,
-                    &rays,
-                    self.skip.as_ref(),
-                    &mut counter,
-                    #[inline(always)]
-                    |sample, counter| {
-                        let value = self.field.values(s, sample.index, sample.lanes);
+                each_sample(s, &rays, self.skip.as_ref(), &mut counter, #[inline(always)] |sample| self.field.values(s, sample.index, sample.lanes), #[inline(always)] |sample, value, counter| {
                         let mut alpha = self.table.lookup(s, value)[3];
                         let visible = sample.lanes & alpha.simd_gt(splat(s, 0.0));
                         counter.see(visible);

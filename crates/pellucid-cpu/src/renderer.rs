@@ -2,15 +2,14 @@
 
 use std::time::Instant;
 
-use pellucid_scene::{Control, Frame, FrameStatistics, Jitter, RenderWarning, Stage, blue_noise};
+use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage};
 
 use crate::RenderError;
 use crate::integrator::{Integrator, Traced};
-use crate::lanes::InstructionSet;
-use crate::lattice::Lattice;
+use crate::lanes::{InstructionSet, MOST_LANES};
 use crate::packet::Packet;
 use crate::prepare::{Cache, Prepared};
-use crate::span::Span;
+use crate::rays::Emitter;
 use crate::tiles::{TILE, Tile, Tiles};
 
 /// The CPU backend. Keep one for several frames: what depends on the data alone (blocks, filter
@@ -110,8 +109,9 @@ fn render(
     let started = Instant::now();
     let prepared = Prepared::new(stage, volume, cache)?;
     let integrator = prepared.integrator(set)?;
+    let emitter = Emitter::new(stage, prepared.grid(), &prepared.region, set);
     let drawing = Instant::now();
-    tiles.draw(control, |tile| draw_tile(stage, &prepared, integrator.as_ref(), control, tile))?;
+    tiles.draw(control, |tile| draw_tile(stage, &emitter, integrator.as_ref(), control, tile))?;
     let view = &stage.viewpoint;
     if (frame.width, frame.height) != (view.width, view.height) {
         *frame = Frame::new(view.width, view.height);
@@ -145,7 +145,7 @@ fn why_empty(rays_hit: u64) -> String {
 
 fn draw_tile(
     stage: &Stage,
-    prepared: &Prepared,
+    emitter: &Emitter,
     integrator: &dyn Integrator,
     control: &Control,
     tile: &mut Tile,
@@ -156,28 +156,21 @@ fn draw_tile(
     let rows = lanes / columns;
     let n = stage.quality.supersampling as usize;
     let weight = 1.0 / (n * n) as f32;
+    let (mut x, mut y, mut wanted) = ([0.0; MOST_LANES], [0.0; MOST_LANES], [false; MOST_LANES]);
     let mut packet = Packet::NOTHING;
-    let (width, height) = (tile.width, tile.height);
-    for (top, left) in (0..height).step_by(rows).flat_map(|y| (0..width).step_by(columns).map(move |x| (y, x))) {
+    for (top, left) in tile.corners(columns, rows) {
+        let place = |lane: usize| (left + lane % columns, top + lane / columns);
         for sub in 0..n * n {
             if control.is_cancelled() {
                 return Err(RenderError::Cancelled);
             }
-            let place = |lane: usize| (left + lane % columns, top + lane / columns);
-            let mut hit = 0;
             for lane in 0..lanes {
-                packet.clear(lane);
-                let (x, y) = place(lane);
-                if x >= width || y >= height {
-                    continue;
-                }
-                let (x, y) = (tile.x + x, tile.y + y);
-                let inside = |cell: usize| (cell as f64 + 0.5) / n as f64;
-                let ray = stage.viewpoint.ray(x as f64 + inside(sub % n), y as f64 + inside(sub / n));
-                let Some(span) = Span::new(&ray, prepared.grid(), &prepared.region) else { continue };
-                packet.set(lane, &span, &Lattice::new(&span, stage.step, jitter(stage, x, y, sub)));
-                hit += 1;
+                let ((column, row), inside) = (place(lane), |cell: usize| (cell as f64 + 0.5) / n as f64);
+                x[lane] = (tile.x + column) as f64 + inside(sub % n);
+                y[lane] = (tile.y + row) as f64 + inside(sub / n);
+                wanted[lane] = column < tile.width && row < tile.height;
             }
+            let hit = emitter.emit(&x, &y, &wanted, sub, &mut packet);
             if hit == 0 {
                 continue;
             }
@@ -185,20 +178,10 @@ fn draw_tile(
             let mut traced = Traced::NOTHING;
             integrator.trace(&packet, &mut traced, &mut tile.tally);
             for lane in (0..lanes).filter(|&lane| packet.count[lane] > 0.0) {
-                let (x, y) = place(lane);
-                tile.add(x, y, lane, weight, &packet, &traced, stage.step);
+                let (column, row) = place(lane);
+                tile.add(column, row, lane, weight, &packet, &traced, stage.step);
             }
         }
     }
     Ok(())
-}
-
-/// Where in its first step a ray starts, `[0, 1)`. The rays of one pixel differ by the golden
-/// ratio, which spreads any number of them evenly.
-fn jitter(stage: &Stage, x: usize, y: usize, sub: usize) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    match stage.quality.jitter {
-        Jitter::Centered => 0.5,
-        Jitter::BlueNoise { seed } => (blue_noise(x, y, seed) + sub as f64 * GOLDEN).fract(),
-    }
 }

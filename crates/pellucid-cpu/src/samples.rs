@@ -23,15 +23,18 @@ pub struct Sample<S: Lanes> {
     pub lanes: Mask<S>,
 }
 
-/// Visits the samples that can contribute, nearest first. The visitor returns the lanes whose ray
-/// is done.
+/// Visits the samples that can contribute, nearest first: `fetch` reads what is there, `see` makes
+/// something of it and returns the lanes whose ray is done.
+///
+/// Two samples are fetched before the first is seen, so that waiting for memory overlaps.
 #[inline(always)]
-pub fn each_sample<S: Lanes>(
+pub fn each_sample<S: Lanes, T>(
     s: S,
     rays: &Rays<S>,
     skip: Option<&SkipGrid>,
     counter: &mut Counter<S>,
-    mut visit: impl FnMut(Sample<S>, &mut Counter<S>) -> Mask<S>,
+    fetch: impl Fn(&Sample<S>) -> T,
+    mut see: impl FnMut(&Sample<S>, T, &mut Counter<S>) -> Mask<S>,
 ) {
     let mut k = splat(s, 0.0);
     let mut open = rays.has(k);
@@ -41,21 +44,31 @@ pub fn each_sample<S: Lanes>(
             counter.skip(to.min(rays.count) - k);
             k = to;
         }
-        for _ in 0..RUN {
+        for _ in 0..RUN / 2 {
             open &= rays.has(k);
             if !open.any_true() {
                 return;
             }
-            let last = open & rays.is_last(k);
-            let shortened = last.any_true();
-            let ratio = if shortened { rays.ratio(s, k) } else { splat(s, 1.0) };
-            let distance = if shortened { rays.sample(s, k) } else { k + rays.jitter };
-            counter.sample(open);
-            let sample = Sample { distance, index: rays.at(distance), ratio, shortened, lanes: open };
-            let done = visit(sample, counter) & open;
-            counter.terminate(done);
-            open &= !done;
-            k += 1.0;
+            let pair = [sample(s, rays, k, open), sample(s, rays, k + 1.0, open)];
+            let fetched = [fetch(&pair[0]), fetch(&pair[1])];
+            for (mut sample, fetched) in pair.into_iter().zip(fetched) {
+                sample.lanes &= open;
+                counter.sample(sample.lanes);
+                let done = see(&sample, fetched, counter) & sample.lanes;
+                counter.terminate(done);
+                open &= !done;
+            }
+            k += 2.0;
         }
     }
+}
+
+/// Sample k of every open ray that has one.
+#[inline(always)]
+fn sample<S: Lanes>(s: S, rays: &Rays<S>, k: F32<S>, open: Mask<S>) -> Sample<S> {
+    let lanes = open & rays.has(k);
+    let shortened = (lanes & rays.is_last(k)).any_true();
+    let ratio = if shortened { rays.ratio(s, k) } else { splat(s, 1.0) };
+    let distance = if shortened { rays.sample(s, k) } else { k + rays.jitter };
+    Sample { distance, index: rays.at(distance), ratio, shortened, lanes }
 }

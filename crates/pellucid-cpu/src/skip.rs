@@ -65,15 +65,6 @@ impl Layout {
     }
 }
 
-/// One over the direction of rays; very large along axes that they do not move on.
-#[inline(always)]
-fn inverse<S: Lanes>(s: S, rays: &Rays<S>) -> Vec3<S> {
-    xyz!(I => {
-        let slow = rays.direction[I].abs().simd_lt(splat(s, 1e-12));
-        splat(s, 1.0) / slow.select(splat(s, 1e-12), rays.direction[I])
-    })
-}
-
 /// The blocks of a volume, and how far each is from one that can contribute.
 pub struct SkipGrid {
     layout: Layout,
@@ -109,7 +100,6 @@ impl SkipGrid {
     /// beyond the last.
     #[inline(always)]
     pub fn leap<S: Lanes>(&self, s: S, rays: &Rays<S>, mut k: F32<S>, open: Mask<S>, over: Leap) -> F32<S> {
-        let inverse = inverse(s, rays);
         loop {
             let (lanes, distance) = match over {
                 Leap::Samples => (open & rays.has(k), rays.sample(s, k)),
@@ -118,7 +108,7 @@ impl SkipGrid {
             let p = rays.at(distance);
             let met = self.layout.meet(s, &p);
             let reach = self.distance(s, &met);
-            let steps = self.layout.leave(s, &p, &met, reach, &inverse).ceil();
+            let steps = self.layout.leave(s, &p, &met, reach, &rays.inverse).ceil();
             let far = match over {
                 Leap::Samples => steps.max(splat(s, 1.0)),
                 // To the last node inside the cube.
@@ -169,7 +159,7 @@ impl ExtremeGrid {
     /// the last.
     #[inline(always)]
     pub fn leap<S: Lanes>(&self, s: S, rays: &Rays<S>, mut k: F32<S>, best: F32<S>) -> F32<S> {
-        let (inverse, one) = (inverse(s, rays), splat(s, 1.0));
+        let one = splat(s, 1.0);
         loop {
             let p = rays.at(rays.sample(s, k));
             let met = self.layout.meet(s, &p);
@@ -179,7 +169,7 @@ impl ExtremeGrid {
             if !dull.any_true() {
                 return k;
             }
-            let steps = self.layout.leave(s, &p, &met, one, &inverse);
+            let steps = self.layout.leave(s, &p, &met, one, &rays.inverse);
             k = dull.select(k + steps.ceil().max(one), k);
         }
     }

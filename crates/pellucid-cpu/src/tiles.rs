@@ -38,6 +38,12 @@ impl Tile {
         (self.x, self.y, self.width, self.height) = (x, y, width, height);
     }
 
+    /// The top rows and left columns of the packets that cover it.
+    pub fn corners(&self, columns: usize, rows: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let (width, height) = (self.width, self.height);
+        (0..height).step_by(rows).flat_map(move |y| (0..width).step_by(columns).map(move |x| (y, x)))
+    }
+
     /// Forgets what was drawn.
     pub fn clear(&mut self) {
         let n = self.width * self.height;
