@@ -8,7 +8,7 @@ use crate::packet::{Packet, Rays};
 use crate::samples::each_sample;
 use crate::segments::{Segment, Verdict, Visit, each_segment};
 use crate::skip::SkipGrid;
-use crate::surface::{Surface, normals};
+use crate::surface::{Aim, Surface, normals};
 
 /// What every compositing loop shares: the field, light, empty blocks and the stop criterion.
 pub struct Medium<'a, S, F> {
@@ -29,29 +29,24 @@ struct Accumulator<S: Lanes> {
     color: [F32<S>; 4],
     /// Distance at which opacity first reached one half.
     half: F32<S>,
-    to_eye: Vec3<S>,
+    aim: Option<Aim<S>>,
 }
 
 impl<S: Lanes, F: Field<S>> Medium<'_, S, F> {
     #[inline(always)]
     fn start(&self, packet: &Packet) -> Accumulator<S> {
-        let zero = splat(self.s, 0.0);
-        let to_eye = xyz!(I => -load(self.s, &packet.world_direction[I]));
-        Accumulator { color: [zero; 4], half: splat(self.s, f32::INFINITY), to_eye }
+        let (s, zero) = (self.s, splat(self.s, 0.0));
+        let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
+        let aim = self.surface.as_ref().map(#[inline(always)] |surface| surface.aim(s, to_eye));
+        Accumulator { color: [zero; 4], half: splat(s, f32::INFINITY), aim }
     }
 
-    /// Shades associated samples: colour is lit, opacity stays (5.4-1: the light is weighted by
-    /// the sample's opacity, or transparent samples would glow).
+    /// Shades associated samples.
     #[inline(always)]
-    fn lit(&self, to_eye: &Vec3<S>, index: Vec3<S>, value: F32<S>, rgba: [F32<S>; 4], lanes: Mask<S>) -> [F32<S>; 4] {
-        let Some(surface) = &self.surface else { return rgba };
-        let [r, g, b, a] = rgba;
-        let unassociate = splat(self.s, 1.0) / lanes.select(a, splat(self.s, 1.0));
-        let base = [r * unassociate, g * unassociate, b * unassociate];
+    fn lit(&self, aim: &Option<Aim<S>>, index: Vec3<S>, value: F32<S>, rgba: [F32<S>; 4], lanes: Mask<S>) -> [F32<S>; 4] {
+        let (Some(surface), Some(aim)) = (&self.surface, aim) else { return rgba };
         let gradient = self.field.gradients(self.s, index, value, lanes);
-        let lit = surface.shade(self.s, base, index, gradient, to_eye, lanes);
-        let [r, g, b] = xyz!(C => lanes.select(lit[C] * a, splat(self.s, 0.0)));
-        [r, g, b, a]
+        surface.shade(self.s, rgba, index, gradient, aim, lanes)
     }
 
     /// Adds samples behind what is there. Returns the rays that are done.
@@ -118,7 +113,7 @@ impl<S: Lanes, F: Field<S>, C: Classify> Integrator for Composite<'_, S, F, C> {
                         if sample.shortened {
                             rgba = over_length(s, rgba, sample.ratio);
                         }
-                        let rgba = medium.lit(&ray.to_eye, sample.index, value, rgba, visible);
+                        let rgba = medium.lit(&ray.aim, sample.index, value, rgba, visible);
                         medium.add(&mut ray, sample.distance, rgba, visible)
                     },
                 );
@@ -187,7 +182,7 @@ impl<S: Lanes, F: Field<S>> Visit<S> for Compositing<'_, S, F> {
         let index = self.rays.at(middle);
         let lit = medium.surface.is_some();
         let value = if lit { medium.field.values(s, index, visible) } else { splat(s, f32::NAN) };
-        let rgba = medium.lit(&self.ray.to_eye, index, value, rgba, visible);
+        let rgba = medium.lit(&self.ray.aim, index, value, rgba, visible);
         Verdict { done: medium.add(self.ray, middle, rgba, visible), wait: none }
     }
 }

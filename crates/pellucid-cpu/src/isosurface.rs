@@ -9,7 +9,7 @@ use crate::lanes::*;
 use crate::packet::{Packet, Rays};
 use crate::segments::{Segment, Verdict, Visit, each_segment};
 use crate::skip::SkipGrid;
-use crate::surface::{Surface, normals};
+use crate::surface::{Aim, Surface, normals};
 
 /// A surface, classified.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +59,7 @@ struct Met<S: Lanes> {
     depth: F32<S>,
     normal: Vec3<S>,
     to_eye: Vec3<S>,
+    aim: Option<Aim<S>>,
 }
 
 impl<S: Lanes, F: Field<S>> Integrator for Isosurfaces<'_, S, F> {
@@ -75,7 +76,8 @@ impl<S: Lanes, F: Field<S>> Integrator for Isosurfaces<'_, S, F> {
                 let mut counter = Counter::new(s);
                 let (zero, none) = (splat(s, 0.0), all(s, false));
                 let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
-                let met = Met { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], to_eye };
+                let aim = self.surface.as_ref().map(#[inline(always)] |surface| surface.aim(s, to_eye));
+                let met = Met { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], to_eye, aim };
                 let crossed = Crossed { distance: [zero; 2], value: [zero; 2], lanes: none };
                 let mut search = Search { mode: self, rays: &rays, crossed, met };
                 each_segment(s, &self.field, &rays, self.skip.as_ref(), &mut counter, &mut search);
@@ -156,17 +158,13 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
             let index = rays.at(distance);
             let gradient = self.field.gradients(s, index, level, lanes);
             let base = xyz!(C => rising.select(splat(s, up.color[C]), splat(s, down.color[C])));
-            let color = match &self.surface {
-                Some(surface) => surface.shade(s, base, index, gradient, &met.to_eye, lanes),
-                None => base,
-            };
             let opacity = rising.select(splat(s, up.opacity), splat(s, down.opacity));
-            let share = lanes.select((splat(s, 1.0) - met.color[3]) * opacity, splat(s, 0.0));
-            for channel in 0..3 {
-                let lit = lanes.select(color[channel], splat(s, 0.0));
-                met.color[channel] = share.mul_add(lit, met.color[channel]);
+            let mut rgba = [base[0] * opacity, base[1] * opacity, base[2] * opacity, opacity];
+            if let (Some(surface), Some(aim)) = (&self.surface, &met.aim) {
+                rgba = surface.shade(s, rgba, index, gradient, aim, lanes);
             }
-            met.color[3] += share;
+            let through = lanes.select(splat(s, 1.0) - met.color[3], splat(s, 0.0));
+            met.color = rgba!(C => through.mul_add(rgba[C], met.color[C]));
             let first = lanes & met.depth.simd_eq(splat(s, f32::INFINITY));
             let normal = normals(s, gradient).0;
             let away = dot::<S>(normal, met.to_eye).simd_lt(splat(s, 0.0));

@@ -10,16 +10,23 @@ use crate::lanes::*;
 /// where there is no gradient, so that lighting vanishes there instead of turning into NaN (5.3-1).
 #[inline(always)]
 pub fn normals<S: Lanes>(s: S, gradient: Vec3<S>) -> (Vec3<S>, F32<S>) {
-    // Scaled first, so that squares of very long or short gradients stay in range.
+    let squared = dot::<S>(gradient, gradient);
+    // Squares of very short and very long gradients leave the range of numbers.
+    let plain = squared.simd_gt(splat(s, 1e-30)) & squared.simd_lt(splat(s, 1e30));
+    let length = plain.select(squared, splat(s, 1.0)).sqrt();
+    let inverse = splat(s, -1.0) / length;
+    let normal = xyz!(I => plain.select(gradient[I] * inverse, splat(s, 0.0)));
+    if plain.all_true() {
+        return (normal, length);
+    }
     let largest = gradient[0].abs().max(gradient[1].abs()).max(gradient[2].abs());
-    let usable = largest.simd_ge(splat(s, f32::MIN_POSITIVE)) & largest.is_finite();
-    let scale = splat(s, 1.0) / usable.select(largest, splat(s, 1.0));
-    let scaled = xyz!(I => gradient[I] * scale);
-    let length = dot::<S>(scaled, scaled).sqrt();
-    let usable = usable & length.is_finite();
-    let inverse = splat(s, 1.0) / usable.select(length, splat(s, 1.0));
-    let normal = xyz!(I => usable.select(-scaled[I] * inverse, splat(s, 0.0)));
-    (normal, usable.select(length * largest, splat(s, 0.0)))
+    let usable = !plain & largest.simd_ge(splat(s, f32::MIN_POSITIVE)) & largest.is_finite();
+    let scale = usable.select(largest, splat(s, 1.0));
+    let scaled = xyz!(I => gradient[I] / scale);
+    let scaled_length = usable.select(dot::<S>(scaled, scaled), splat(s, 1.0)).sqrt();
+    let normal = xyz!(I => usable.select(-scaled[I] / scaled_length, normal[I]));
+    let zero = splat(s, 0.0);
+    (normal, plain.select(length, usable.select(scaled_length * largest, zero)))
 }
 
 /// A vector of the same direction and length 1; zero if it has none.
@@ -36,11 +43,29 @@ pub struct Surface<'a> {
     material: &'a Material,
     weight: Option<GradientWeight>,
     ambient: f32,
-    /// Lights that are the same everywhere.
+    /// Lights that are the same everywhere, at most [`MOST_DIRECTIONAL`].
     directional: Vec<Incident>,
-    /// Lights that are somewhere.
+    /// All others.
     local: Vec<&'a ResolvedLight>,
     world_from_index: DAffine3,
+}
+
+/// How many directional lights are prepared for a ray; more are treated as lights that are
+/// somewhere.
+const MOST_DIRECTIONAL: usize = 4;
+
+/// What lights need of rays.
+pub struct Aim<S: Lanes> {
+    /// Unit vectors to the eye.
+    pub to_eye: Vec3<S>,
+    /// Unit vectors halfway between the eye and each directional light.
+    halfway: [Vec3<S>; MOST_DIRECTIONAL],
+}
+
+/// The light that leaves a surface: factors of its own colour, and highlights.
+struct Reflected<S: Lanes> {
+    diffuse: [F32<S>; 3],
+    specular: [F32<S>; 3],
 }
 
 /// A light as it reaches every lane.
@@ -60,84 +85,93 @@ impl<'a> Surface<'a> {
         ambient: f32,
         world_from_index: DAffine3,
     ) -> Self {
-        let everywhere = |light: &&ResolvedLight| light.is_directional();
+        let (everywhere, somewhere): (Vec<&ResolvedLight>, Vec<&ResolvedLight>) = lights.iter().partition(|light| light.is_directional());
+        let (prepared, more) = everywhere.split_at(everywhere.len().min(MOST_DIRECTIONAL));
         Self {
             material,
             weight,
             ambient,
-            directional: lights.iter().filter(everywhere).map(|light| light.incident(GlamVec3::ZERO)).collect(),
-            local: lights.iter().filter(|light| !everywhere(light)).collect(),
+            directional: prepared.iter().map(|light| light.incident(GlamVec3::ZERO)).collect(),
+            local: more.iter().copied().chain(somewhere).collect(),
             world_from_index,
         }
     }
 
-    /// The lit colours (not associated) of samples at index positions: the vectors' form of
+    /// What the directional lights need of rays, once for all of their samples.
+    #[inline(always)]
+    pub fn aim<S: Lanes>(&self, s: S, to_eye: Vec3<S>) -> Aim<S> {
+        let mut halfway = [[splat(s, 0.0); 3]; MOST_DIRECTIONAL];
+        for (halfway, light) in halfway.iter_mut().zip(&self.directional) {
+            *halfway = normalized(s, xyz!(I => splat(s, light.to_light[I]) + to_eye[I]));
+        }
+        Aim { to_eye, halfway }
+    }
+
+    /// Lights samples at index positions. `rgba` is associated and stays so: light is weighted by
+    /// the sample's opacity, or transparent samples would glow (5.4-1). The vectors' form of
     /// [`blinn_phong`](pellucid_optics::blinn_phong), which defines it.
     #[inline(always)]
     pub fn shade<S: Lanes>(
         &self,
         s: S,
-        base: [F32<S>; 3],
+        rgba: [F32<S>; 4],
         index: Vec3<S>,
         gradient: Vec3<S>,
-        to_eye: &Vec3<S>,
+        aim: &Aim<S>,
         lanes: Mask<S>,
-    ) -> [F32<S>; 3] {
-        let material = self.material;
+    ) -> [F32<S>; 4] {
+        let (material, zero) = (self.material, splat(s, 0.0));
         let (mut normal, magnitude) = normals(s, gradient);
         if material.two_sided {
-            let away = dot::<S>(normal, *to_eye).simd_lt(splat(s, 0.0));
+            let away = dot::<S>(normal, aim.to_eye).simd_lt(zero);
             normal = xyz!(I => away.select(-normal[I], normal[I]));
         }
-        let unlit = material.emission + material.ambient * self.ambient;
-        let mut lit = xyz!(C => base[C] * unlit);
-        for light in &self.directional {
+        let unlit = splat(s, material.emission + material.ambient * self.ambient);
+        let mut reflected = Reflected { diffuse: [unlit; 3], specular: [zero; 3] };
+        for (light, halfway) in self.directional.iter().zip(&aim.halfway) {
             let to_light = xyz!(I => splat(s, light.to_light[I]));
             let radiance = xyz!(I => splat(s, light.radiance[I]));
             let light = IncidentLanes { to_light, radiance, specular: light.specular };
-            self.add(s, &mut lit, &base, &light, &normal, to_eye);
+            self.reflect(s, &mut reflected, &light, &normal, halfway);
         }
         for light in &self.local {
             let light = self.incident(s, light, &index, lanes);
-            self.add(s, &mut lit, &base, &light, &normal, to_eye);
+            let halfway = normalized(s, xyz!(I => light.to_light[I] + aim.to_eye[I]));
+            self.reflect(s, &mut reflected, &light, &normal, &halfway);
         }
-        match &self.weight {
-            None => lit,
-            Some(weight) => {
-                let t = (magnitude - weight.low) * (1.0 / (weight.high - weight.low));
-                let t = t.max(splat(s, 0.0)).min(splat(s, 1.0));
-                let t = t * t * (splat(s, 3.0) - t * 2.0);
-                xyz!(C => lerp::<S>(t, base[C], lit[C]))
-            }
+        let Reflected { mut diffuse, mut specular } = reflected;
+        if let Some(weight) = &self.weight {
+            let t = (magnitude - weight.low) * (1.0 / (weight.high - weight.low));
+            let t = t.max(zero).min(splat(s, 1.0));
+            let t = t * t * (splat(s, 3.0) - t * 2.0);
+            diffuse = xyz!(C => lerp::<S>(t, splat(s, 1.0), diffuse[C]));
+            specular = xyz!(C => specular[C] * t);
         }
+        let [r, g, b] = xyz!(C => rgba[C].mul_add(diffuse[C], specular[C] * rgba[3]));
+        [lanes.select(r, zero), lanes.select(g, zero), lanes.select(b, zero), rgba[3]]
     }
 
     /// Adds the light that is reflected from one source.
     #[inline(always)]
-    fn add<S: Lanes>(
+    fn reflect<S: Lanes>(
         &self,
         s: S,
-        lit: &mut [F32<S>; 3],
-        base: &[F32<S>; 3],
+        reflected: &mut Reflected<S>,
         light: &IncidentLanes<S>,
         normal: &Vec3<S>,
-        to_eye: &Vec3<S>,
+        halfway: &Vec3<S>,
     ) {
         let (material, zero) = (self.material, splat(s, 0.0));
         // Also 0 for the normal 0: light is reflected at boundaries only.
         let facing = dot::<S>(*normal, light.to_light).max(zero);
         let diffuse = facing * material.diffuse;
-        let specular = if light.specular && material.specular > 0.0 {
-            let halfway = normalized(s, xyz!(I => light.to_light[I] + to_eye[I]));
-            let tilt = dot::<S>(*normal, halfway).max(zero).min(splat(s, 1.0));
+        reflected.diffuse = xyz!(C => diffuse.mul_add(light.radiance[C], reflected.diffuse[C]));
+        if light.specular && material.specular > 0.0 {
+            let tilt = dot::<S>(*normal, *halfway).max(zero).min(splat(s, 1.0));
             let highlight = power(s, tilt, splat(s, material.shininess)) * material.specular;
             // No highlight on the side away from the light.
-            facing.simd_gt(zero).select(highlight, zero)
-        } else {
-            zero
-        };
-        for channel in 0..3 {
-            lit[channel] += base[channel].mul_add(diffuse, specular) * light.radiance[channel];
+            let highlight = facing.simd_gt(zero).select(highlight, zero);
+            reflected.specular = xyz!(C => highlight.mul_add(light.radiance[C], reflected.specular[C]));
         }
     }
 

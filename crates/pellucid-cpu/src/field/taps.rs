@@ -27,6 +27,11 @@ impl Bounds {
         Self { last: grid.dims().map(|n| (n - 1) as f32), planes }
     }
 
+    /// Whether nothing but the box bounds the field.
+    pub fn is_box(&self) -> bool {
+        self.planes.is_empty()
+    }
+
     /// Whether the taps one index step before and after a position along an axis exist. The
     /// position itself does.
     #[inline(always)]
@@ -41,26 +46,5 @@ impl Bounds {
             right = right & above.simd_ge(splat(s, -normal[axis] - TOLERANCE));
         }
         [left, right]
-    }
-
-    /// The central difference over one index step from values on both sides and in the middle,
-    /// where a missing tap is the point reflection of the other (5.3-4).
-    #[inline(always)]
-    pub fn difference<S: Lanes>(
-        &self,
-        s: S,
-        p: &Vec3<S>,
-        axis: usize,
-        [left, right]: [S::f32s; 2],
-        center: S::f32s,
-    ) -> S::f32s {
-        let [has_left, has_right] = self.taps(s, p, axis);
-        if (has_left & has_right).all_true() {
-            return (right - left) * 0.5;
-        }
-        let left_or_center = has_left.select(left, center);
-        let right_or_center = has_right.select(right, center);
-        let both = has_left & has_right;
-        (right_or_center - left_or_center) * both.select(splat(s, 0.5), splat(s, 1.0))
     }
 }

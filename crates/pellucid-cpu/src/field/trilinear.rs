@@ -22,7 +22,8 @@ pub struct Trilinear<'a, T> {
     offset: f32,
     bounds: Bounds,
     central: bool,
-    world_from_index_gradient: [[f32; 3]; 3],
+    /// From differences of stored numbers per index step to data units per world unit.
+    gradient_map: [[f32; 3]; 3],
     exact: Probe<'a, Linear<'a, T>>,
 }
 
@@ -51,7 +52,7 @@ impl<'a, T: Texel> Trilinear<'a, T> {
             return None;
         }
         let map = view.value_map();
-        let matrix = exact.world_from_index_gradient().as_mat3().transpose();
+        let matrix = (exact.world_from_index_gradient() * map.scale).as_mat3().transpose();
         Some(Self {
             data,
             stride: [stride[1] as i32, stride[2] as i32],
@@ -61,7 +62,7 @@ impl<'a, T: Texel> Trilinear<'a, T> {
             offset: map.offset as f32,
             bounds,
             central: gradient == Gradient::Central,
-            world_from_index_gradient: matrix.to_cols_array_2d(),
+            gradient_map: matrix.to_cols_array_2d(),
             exact,
         })
     }
@@ -132,52 +133,66 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
         if !self.central {
             return gradient_of_each(s, &self.exact, index, centers, lanes);
         }
-        let cell = self.locate(s, &index);
-        let (u, zero) = (cell.u, whole(s, 0));
+        // Lanes that are not asked for must not take the others to the border.
+        let index = xyz!(I => lanes.select(index[I], splat(s, 1.5)));
+        let Cell { voxel, offset, u } = self.locate(s, &index);
         let [dy, dz] = self.stride;
-        let first = xyz!(I => cell.voxel[I].simd_le(zero));
-        let last = xyz!(I => cell.voxel[I].simd_ge(whole(s, self.last_cell[I])));
-        // One row before and one after the cell, where there are.
-        let y0 = cell.offset + first[1].select(zero, whole(s, -dy));
-        let y3 = cell.offset + last[1].select(whole(s, dy), whole(s, 2 * dy));
-        let z0 = cell.offset + first[2].select(zero, whole(s, -dz));
-        let z3 = cell.offset + last[2].select(whole(s, dz), whole(s, 2 * dz));
-        let furthest = (y3 + dz).max(z3 + dy).max(cell.offset + (dy + dz + 1));
-        let at_end = cell.offset.simd_le(zero).any_true() || self.at_end(s, furthest, 1 + T::OVERREAD);
-        // SAFETY: `locate` gives a cell of the grid; rows before and after it are the grid's by
-        // the selects above.
-        let (rows, beside) = unsafe {
+        let first = xyz!(I => voxel[I].simd_le(whole(s, 0)));
+        let last = xyz!(I => voxel[I].simd_ge(whole(s, self.last_cell[I])));
+        let border = first[0] | first[1] | first[2] | last[0] | last[1] | last[2];
+        let inside = !border.any_true() && self.bounds.is_box();
+        // One row before and one after the cell; where there is none, the one at the border.
+        let (mut y0, mut y3, mut z0, mut z3) = (offset - dy, offset + 2 * dy, offset - dz, offset + 2 * dz);
+        let mut at_end = false;
+        if !inside {
+            (y0, y3) = (first[1].select(offset, y0), last[1].select(offset + dy, y3));
+            (z0, z3) = (first[2].select(offset, z0), last[2].select(offset + dz, z3));
+            let furthest = (y3 + dz).max(z3 + dy).max(offset + (dy + dz + 1));
+            at_end = offset.simd_le(whole(s, 0)).any_true() || self.at_end(s, furthest, 1 + T::OVERREAD);
+        }
+        // SAFETY: `locate` gives a cell of the grid; rows before and after it are the grid's, as it
+        // is inside or by the selects above.
+        let (quads, beside) = unsafe {
             (
                 [
-                    lerped_along_x::<S>(T::quad(s, self.data, cell.offset, 0, at_end), u[0], first[0], last[0]),
-                    lerped_along_x::<S>(T::quad(s, self.data, cell.offset, dy, at_end), u[0], first[0], last[0]),
-                    lerped_along_x::<S>(T::quad(s, self.data, cell.offset, dz, at_end), u[0], first[0], last[0]),
-                    lerped_along_x::<S>(T::quad(s, self.data, cell.offset, dy + dz, at_end), u[0], first[0], last[0]),
+                    T::quad(s, self.data, offset, 0, at_end),
+                    T::quad(s, self.data, offset, dy, at_end),
+                    T::quad(s, self.data, offset, dz, at_end),
+                    T::quad(s, self.data, offset, dy + dz, at_end),
                 ],
                 [
-                    lerp::<S>(u[2], self.row(s, y0, 0, u[0], at_end), self.row(s, y0, dz, u[0], at_end)),
-                    lerp::<S>(u[2], self.row(s, y3, 0, u[0], at_end), self.row(s, y3, dz, u[0], at_end)),
-                    lerp::<S>(u[1], self.row(s, z0, 0, u[0], at_end), self.row(s, z0, dy, u[0], at_end)),
-                    lerp::<S>(u[1], self.row(s, z3, 0, u[0], at_end), self.row(s, z3, dy, u[0], at_end)),
+                    [self.row(s, y0, 0, u[0], at_end), self.row(s, y0, dz, u[0], at_end)],
+                    [self.row(s, y3, 0, u[0], at_end), self.row(s, y3, dz, u[0], at_end)],
+                    [self.row(s, z0, 0, u[0], at_end), self.row(s, z0, dy, u[0], at_end)],
+                    [self.row(s, z3, 0, u[0], at_end), self.row(s, z3, dy, u[0], at_end)],
                 ],
             )
         };
-        let [r00, r10, r01, r11] = rows;
-        // Interpolated along x and z at either y, and along x and y at either z.
-        let y = [lerp::<S>(u[2], r00[1], r01[1]), lerp::<S>(u[2], r10[1], r11[1])];
-        let z = [lerp::<S>(u[1], r00[1], r10[1]), lerp::<S>(u[1], r01[1], r11[1])];
-        let left = lerp::<S>(u[2], lerp::<S>(u[1], r00[0], r10[0]), lerp::<S>(u[1], r01[0], r11[0]));
-        let right = lerp::<S>(u[2], lerp::<S>(u[1], r00[2], r10[2]), lerp::<S>(u[1], r01[2], r11[2]));
-        let sides = [
-            [left, right],
-            [lerp::<S>(u[1], beside[0], y[0]), lerp::<S>(u[1], y[1], beside[1])],
-            [lerp::<S>(u[2], beside[2], z[0]), lerp::<S>(u[2], z[1], beside[3])],
-        ];
-        let g = xyz!(I => {
-            let sides = [self.mapped(s, sides[I][0]), self.mapped(s, sides[I][1])];
-            self.bounds.difference(s, &index, I, sides, centers)
-        });
-        let matrix = &self.world_from_index_gradient;
+        let taps = if inside { None } else { Some(xyz!(I => self.bounds.taps(s, &index, I))) };
+        let [y0, y3, z0, z3] = beside;
+        // The rows of the cell at (y, z), interpolated along x.
+        let middle = rgba!(R => lerp::<S>(u[0], quads[R][1], quads[R][2]));
+        let [m00, m10, m01, m11] = middle;
+        let x = rgba!(R => difference::<S>(u[0], quads[R], taps.as_ref().map(|taps| &taps[0])));
+        let x = lerp::<S>(u[2], lerp::<S>(u[1], x[0], x[1]), lerp::<S>(u[1], x[2], x[3]));
+        let along_y = taps.as_ref().map(|taps| &taps[1]);
+        let y = lerp::<S>(
+            u[2],
+            difference::<S>(u[1], [y0[0], m00, m10, y3[0]], along_y),
+            difference::<S>(u[1], [y0[1], m01, m11, y3[1]], along_y),
+        );
+        let along_z = taps.as_ref().map(|taps| &taps[2]);
+        let z = lerp::<S>(
+            u[1],
+            difference::<S>(u[2], [z0[0], m00, m01, z3[0]], along_z),
+            difference::<S>(u[2], [z0[1], m10, m11, z3[1]], along_z),
+        );
+        let mut g = [x * 0.5, y * 0.5, z * 0.5];
+        if let Some(taps) = &taps {
+            // A one-sided difference spans one voxel, not two.
+            g = xyz!(I => (taps[I][0] & taps[I][1]).select(g[I], g[I] + g[I]));
+        }
+        let matrix = &self.gradient_map;
         let gradient = xyz!(I => dot::<S>(xyz!(J => splat(s, matrix[I][J])), g));
         if !T::TYPE.is_integer() {
             let holes = lanes & !(gradient[0] + gradient[1] + gradient[2]).is_finite();
@@ -190,9 +205,15 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
     }
 }
 
-/// A row of four voxels interpolated along x: one voxel to the left, in place, and one to the
-/// right. Where the row has no voxel there, its neighbour stands for it.
+/// The difference of the values one voxel after and one before a position between the middle two of
+/// four; where a tap is missing, of the value on the other side and the one in the middle.
 #[inline(always)]
-fn lerped_along_x<S: Lanes>([a, b, c, d]: [F32<S>; 4], u: F32<S>, first: Mask<S>, last: Mask<S>) -> [F32<S>; 3] {
-    [lerp::<S>(u, first.select(b, a), b), lerp::<S>(u, b, c), lerp::<S>(u, c, last.select(c, d))]
+fn difference<S: Lanes>(u: F32<S>, [a, b, c, d]: [F32<S>; 4], taps: Option<&[Mask<S>; 2]>) -> F32<S> {
+    match taps {
+        None => lerp::<S>(u, c - a, d - b),
+        Some([before, after]) => {
+            let (left, right) = ([before.select(a, b), before.select(b, c)], [after.select(c, b), after.select(d, c)]);
+            lerp::<S>(u, right[0] - left[0], right[1] - left[1])
+        }
+    }
 }

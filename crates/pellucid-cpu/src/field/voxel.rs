@@ -112,6 +112,49 @@ impl Texel for i8 {
     }
 }
 
+/// The voxels of 16 bits from `offset + d - 1` to `offset + d + 2`, two to a word; anything for those
+/// before the first and after the last of the data.
+///
+/// # Safety
+/// As [`Texel::quad`].
+#[inline(always)]
+unsafe fn sixteen_bit_quad<S: Lanes, T>(s: S, data: &[T], offset: I32<S>, d: i32, at_end: bool) -> [<S as Simd>::u32s; 2] {
+    if !at_end {
+        // SAFETY: the caller vouches for four voxels.
+        return unsafe { s.gather_pairs::<2>(data.as_ptr().offset(d as isize - 1).cast(), offset) };
+    }
+    let wanted = offset + (d - 1);
+    let there = wanted.max(whole(s, 0)).min(whole(s, data.len() as i32 - 4));
+    // SAFETY: moved into the data.
+    let [a, b] = unsafe { s.gather_pairs::<2>(data.as_ptr().cast(), there) };
+    // One voxel on if the row ends before the last, one back if it starts after the first.
+    let (late, early) = (wanted.simd_gt(there), wanted.simd_lt(there));
+    let shifted = late.select((a >> 16) | (b << 16), early.select(a << 16, a));
+    [shifted, late.select(b >> 16, early.select((a >> 16) | (b << 16), b))]
+}
+
+/// The low and the high half of words as numbers.
+#[inline(always)]
+fn unsigned_words<S: Lanes>(_: S, words: <S as Simd>::u32s) -> [F32<S>; 2] {
+    // Shifted as unsigned words: a signed shift would smear large values.
+    let (low, high): (I32<S>, I32<S>) = ((words & 0xffff).bitcast(), (words >> 16).bitcast());
+    [low.to_float(), high.to_float()]
+}
+
+/// The low and the high half of words as signed numbers.
+#[inline(always)]
+fn signed_words<S: Lanes>(_: S, words: <S as Simd>::u32s) -> [F32<S>; 2] {
+    let words: I32<S> = words.bitcast();
+    [((words << 16) >> 16).to_float(), (words >> 16).to_float()]
+}
+
+/// The low and the high half of words as half-precision numbers.
+#[inline(always)]
+fn half_words<S: Lanes>(s: S, words: <S as Simd>::u32s) -> [F32<S>; 2] {
+    let words: I32<S> = words.bitcast();
+    [half_to_single(s, words & 0xffff), half_to_single(s, (words >> 16) & 0xffff)]
+}
+
 impl Texel for u16 {
     const OVERREAD: usize = 0;
 
@@ -119,9 +162,15 @@ impl Texel for u16 {
     unsafe fn pair<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, _: bool) -> [F32<S>; 2] {
         // SAFETY: the caller vouches for two voxels.
         let words = unsafe { s.gather::<2>(data.as_ptr().offset(d as isize).cast(), offset) };
-        // Shifted as unsigned words: a signed shift would smear large values.
-        let (low, high): (I32<S>, I32<S>) = ((words & 0xffff).bitcast(), (words >> 16).bitcast());
-        [low.to_float(), high.to_float()]
+        unsigned_words(s, words)
+    }
+
+    #[inline(always)]
+    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 4] {
+        // SAFETY: the caller vouches for four voxels unless at the end.
+        let words = unsafe { sixteen_bit_quad(s, data, offset, d, at_end) };
+        let ([a, b], [c, d]) = (unsigned_words(s, words[0]), unsigned_words(s, words[1]));
+        [a, b, c, d]
     }
 }
 
@@ -131,8 +180,16 @@ impl Texel for i16 {
     #[inline(always)]
     unsafe fn pair<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, _: bool) -> [F32<S>; 2] {
         // SAFETY: the caller vouches for two voxels.
-        let words: I32<S> = unsafe { s.gather::<2>(data.as_ptr().offset(d as isize).cast(), offset) }.bitcast();
-        [((words << 16) >> 16).to_float(), (words >> 16).to_float()]
+        let words = unsafe { s.gather::<2>(data.as_ptr().offset(d as isize).cast(), offset) };
+        signed_words(s, words)
+    }
+
+    #[inline(always)]
+    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 4] {
+        // SAFETY: the caller vouches for four voxels unless at the end.
+        let words = unsafe { sixteen_bit_quad(s, data, offset, d, at_end) };
+        let ([a, b], [c, d]) = (signed_words(s, words[0]), signed_words(s, words[1]));
+        [a, b, c, d]
     }
 }
 
@@ -142,8 +199,16 @@ impl Texel for f16 {
     #[inline(always)]
     unsafe fn pair<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, _: bool) -> [F32<S>; 2] {
         // SAFETY: the caller vouches for two voxels.
-        let words: I32<S> = unsafe { s.gather::<2>(data.as_ptr().offset(d as isize).cast(), offset) }.bitcast();
-        [half_to_single(s, words & 0xffff), half_to_single(s, (words >> 16) & 0xffff)]
+        let words = unsafe { s.gather::<2>(data.as_ptr().offset(d as isize).cast(), offset) };
+        half_words(s, words)
+    }
+
+    #[inline(always)]
+    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 4] {
+        // SAFETY: the caller vouches for four voxels unless at the end.
+        let words = unsafe { sixteen_bit_quad(s, data, offset, d, at_end) };
+        let ([a, b], [c, d]) = (half_words(s, words[0]), half_words(s, words[1]));
+        [a, b, c, d]
     }
 }
 
@@ -166,10 +231,7 @@ impl Texel for f32 {
     #[inline(always)]
     unsafe fn pair<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, _: bool) -> [F32<S>; 2] {
         // SAFETY: the caller vouches for two voxels.
-        let (a, b) = unsafe {
-            let base = data.as_ptr().offset(d as isize);
-            (s.gather::<4>(base.cast(), offset), s.gather::<4>(base.add(1).cast(), offset))
-        };
+        let [a, b] = unsafe { s.gather_pairs::<4>(data.as_ptr().offset(d as isize).cast(), offset) };
         [a.bitcast(), b.bitcast()]
     }
 }

@@ -28,6 +28,17 @@ pub trait Lanes: Simd {
         )
     }
 
+    /// The 64 bits that start at `base + SCALE * offset`, for every lane: the first 32 and the second.
+    /// Costs little more than one [`gather`](Lanes::gather), because reading is what costs.
+    ///
+    /// # Safety
+    /// All eight bytes are readable for every lane, and SCALE is 1, 2, 4 or 8.
+    #[inline(always)]
+    unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, offsets: Self::i32s) -> [Self::u32s; 2] {
+        // SAFETY: as the caller's.
+        unsafe { [self.gather::<SCALE>(base, offsets), self.gather::<SCALE>(base.add(4), offsets)] }
+    }
+
     /// The four numbers of row `rows`, for every lane: the first of all lanes, the second, ...
     /// Reading rows whole and turning them costs a third of four gathers.
     ///
@@ -63,6 +74,21 @@ mod x86 {
 
     impl Lanes for Sse2 {
         #[inline(always)]
+        unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, offsets: Self::i32s) -> [Self::u32s; 2] {
+            // SAFETY: the caller vouches for the addresses; the token for the instructions.
+            unsafe {
+                let pair = |lane: usize| {
+                    let place = base.offset(SCALE as isize * offsets[lane] as isize);
+                    _mm_castsi128_ps(_mm_loadl_epi64(place.cast()))
+                };
+                let (ab, cd) = (_mm_movelh_ps(pair(0), pair(1)), _mm_movelh_ps(pair(2), pair(3)));
+                let low = _mm_castps_si128(_mm_shuffle_ps::<0b10_00_10_00>(ab, cd));
+                let high = _mm_castps_si128(_mm_shuffle_ps::<0b11_01_11_01>(ab, cd));
+                [low.simd_into(self), high.simd_into(self)]
+            }
+        }
+
+        #[inline(always)]
         unsafe fn gather_rows(self, base: *const [f32; 4], rows: Self::i32s) -> [Self::f32s; 4] {
             // SAFETY: the caller vouches for the rows; the token for the instructions.
             unsafe {
@@ -79,6 +105,23 @@ mod x86 {
         unsafe fn gather<const SCALE: i32>(self, base: *const u8, offsets: Self::i32s) -> Self::u32s {
             // SAFETY: the caller vouches for the addresses; the token for the instructions.
             unsafe { _mm256_i32gather_epi32::<SCALE>(base.cast(), offsets.into()).simd_into(self) }
+        }
+
+        #[inline(always)]
+        unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, offsets: Self::i32s) -> [Self::u32s; 2] {
+            // SAFETY: the caller vouches for the addresses; the token for the instructions.
+            unsafe {
+                let offsets: __m256i = offsets.into();
+                let (front, back) = (_mm256_castsi256_si128(offsets), _mm256_extracti128_si256::<1>(offsets));
+                let ab = _mm256_castsi256_ps(_mm256_i32gather_epi64::<SCALE>(base.cast(), front));
+                let cd = _mm256_castsi256_ps(_mm256_i32gather_epi64::<SCALE>(base.cast(), back));
+                // Shuffles stay within halves: lanes 0 1 4 5 2 3 6 7, which the permutation sorts.
+                let low = _mm256_castps_pd(_mm256_shuffle_ps::<0b10_00_10_00>(ab, cd));
+                let high = _mm256_castps_pd(_mm256_shuffle_ps::<0b11_01_11_01>(ab, cd));
+                let low = _mm256_castpd_si256(_mm256_permute4x64_pd::<0b11_01_10_00>(low));
+                let high = _mm256_castpd_si256(_mm256_permute4x64_pd::<0b11_01_10_00>(high));
+                [low.simd_into(self), high.simd_into(self)]
+            }
         }
 
         #[inline(always)]
@@ -109,6 +152,22 @@ mod x86 {
         unsafe fn gather<const SCALE: i32>(self, base: *const u8, offsets: Self::i32s) -> Self::u32s {
             // SAFETY: the caller vouches for the addresses; the token for the instructions.
             unsafe { _mm512_i32gather_epi32::<SCALE>(offsets.into(), base.cast()).simd_into(self) }
+        }
+
+        #[inline(always)]
+        unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, offsets: Self::i32s) -> [Self::u32s; 2] {
+            // SAFETY: the caller vouches for the addresses; the token for the instructions.
+            unsafe {
+                let offsets: __m512i = offsets.into();
+                let (front, back) = (_mm512_castsi512_si256(offsets), _mm512_extracti64x4_epi64::<1>(offsets));
+                let ab = _mm512_i32gather_epi64::<SCALE>(front, base.cast());
+                let cd = _mm512_i32gather_epi64::<SCALE>(back, base.cast());
+                let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+                let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+                let low = _mm512_permutex2var_epi32(ab, even, cd);
+                let high = _mm512_permutex2var_epi32(ab, odd, cd);
+                [low.simd_into(self), high.simd_into(self)]
+            }
         }
 
         #[inline(always)]
@@ -155,12 +214,17 @@ mod tests {
                 || {
                     let offsets = S::i32s::from_fn(s, |lane| (lane as i32 * 29 + 3) % 90);
                     // SAFETY: the offsets are below 90, and 2 * 90 + 4 bytes and 90 rows are there.
-                    let (words, found) =
-                        unsafe { (s.gather::<2>(bytes.as_ptr(), offsets), s.gather_rows(rows.as_ptr(), offsets)) };
+                    let words = unsafe { s.gather::<2>(bytes.as_ptr(), offsets) };
+                    // SAFETY: as above, with eight bytes.
+                    let pairs = unsafe { s.gather_pairs::<2>(bytes.as_ptr(), offsets) };
+                    // SAFETY: as above.
+                    let found = unsafe { s.gather_rows(rows.as_ptr(), offsets) };
                     for lane in 0..width::<S>() {
                         let at = offsets[lane] as usize;
                         let word: [u8; 4] = bytes[2 * at..2 * at + 4].try_into().unwrap();
+                        let next: [u8; 4] = bytes[2 * at + 4..2 * at + 8].try_into().unwrap();
                         assert_eq!(words[lane], u32::from_ne_bytes(word));
+                        assert_eq!(pairs.map(|lanes| lanes[lane]), [word, next].map(u32::from_ne_bytes));
                         assert_eq!([0, 1, 2, 3].map(|c| found[c][lane]), rows[at]);
                     }
                 },
