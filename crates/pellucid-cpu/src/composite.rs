@@ -5,7 +5,7 @@ use crate::field::Field;
 use crate::integrator::{Counter, Integrator, Tally, Traced};
 use crate::lanes::*;
 use crate::packet::{Packet, Rays};
-use crate::samples::each_sample;
+use crate::samples::March;
 use crate::segments::{Segment, Verdict, Visit, each_segment};
 use crate::skip::SkipGrid;
 use crate::surface::{Aim, Surface, normals};
@@ -91,37 +91,57 @@ impl<S: Lanes, F: Field<S>, C: Classify> Integrator for Composite<'_, S, F, C> {
         width::<S>()
     }
 
-    fn trace(&self, packet: &Packet, traced: &mut Traced, tally: &mut Tally) {
+    fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
         let (medium, s) = (&self.medium, self.medium.s);
         s.vectorize(
             #[inline(always)]
             || {
-                let rays = Rays::new(s, packet);
-                let (mut ray, mut counter) = (medium.start(packet), Counter::new(s));
-                each_sample(
-                    s,
-                    &rays,
-                    medium.skip.as_ref(),
-                    &mut counter,
-                    #[inline(always)]
-                    |sample| medium.field.values(s, sample.index, sample.lanes),
-                    #[inline(always)]
-                    |sample, value, counter| {
-                        let classified = self.classifier.classify(s, value, sample.index, sample.lanes);
-                        let Some(Classified { mut rgba, visible }) = classified else { return all(s, false) };
-                        counter.see(visible);
-                        if sample.shortened {
-                            rgba = over_length(s, rgba, sample.ratio);
-                        }
-                        let rgba = medium.lit(&ray.aim, sample.index, value, rgba, visible);
-                        medium.add(&mut ray, sample.distance, rgba, visible)
-                    },
-                );
-                medium.finish(&ray, &rays, traced);
-                counter.finish(traced, tally);
+                let mut followed: Vec<Followed<S>> = Vec::with_capacity(wave.len());
+                for packet in wave {
+                    let (rays, counter) = (Rays::new(s, packet), Counter::new(s));
+                    let march = March::new(s, &rays);
+                    followed.push(Followed { rays, march, counter, ray: medium.start(packet), open: true });
+                }
+                while followed.iter().any(|packet| packet.open) {
+                    for packet in followed.iter_mut().filter(|packet| packet.open) {
+                        let ray = &mut packet.ray;
+                        packet.open = packet.march.run(
+                            s,
+                            &packet.rays,
+                            medium.skip.as_ref(),
+                            &mut packet.counter,
+                            #[inline(always)]
+                            |sample| medium.field.values(s, sample.index, sample.lanes),
+                            #[inline(always)]
+                            |sample, value, counter| {
+                                let classified = self.classifier.classify(s, value, sample.index, sample.lanes);
+                                let Some(Classified { mut rgba, visible }) = classified else { return all(s, false) };
+                                counter.see(visible);
+                                if sample.shortened {
+                                    rgba = over_length(s, rgba, sample.ratio);
+                                }
+                                let rgba = medium.lit(&ray.aim, sample.index, value, rgba, visible);
+                                medium.add(ray, sample.distance, rgba, visible)
+                            },
+                        );
+                    }
+                }
+                for (packet, traced) in followed.into_iter().zip(traced) {
+                    medium.finish(&packet.ray, &packet.rays, traced);
+                    packet.counter.finish(traced, tally);
+                }
             },
         );
     }
+}
+
+/// A packet on its way.
+struct Followed<S: Lanes> {
+    rays: Rays<S>,
+    march: March<S>,
+    counter: Counter<S>,
+    ray: Accumulator<S>,
+    open: bool,
 }
 
 /// Compositing of pre-integrated segments between the nodes of the lattice (4.6-7, 7.2-3): one
@@ -138,24 +158,20 @@ impl<S: Lanes, F: Field<S>> Integrator for PreIntegrated<'_, S, F> {
         width::<S>()
     }
 
-    fn trace(&self, packet: &Packet, traced: &mut Traced, tally: &mut Tally) {
+    fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
         let (medium, s) = (&self.medium, self.medium.s);
         s.vectorize(
             #[inline(always)]
             || {
-                let rays = Rays::new(s, packet);
-                let (mut ray, mut counter) = (medium.start(packet), Counter::new(s));
-                let (skip, field) = (medium.skip.as_ref(), &medium.field);
-                each_segment(
-                    s,
-                    field,
-                    &rays,
-                    skip,
-                    &mut counter,
-                    &mut Compositing { mode: self, rays: &rays, ray: &mut ray },
-                );
-                medium.finish(&ray, &rays, traced);
-                counter.finish(traced, tally);
+                for (packet, traced) in wave.iter().zip(traced) {
+                    let rays = Rays::new(s, packet);
+                    let (mut ray, mut counter) = (medium.start(packet), Counter::new(s));
+                    let (skip, field) = (medium.skip.as_ref(), &medium.field);
+                    let mut compositing = Compositing { mode: self, rays: &rays, ray: &mut ray };
+                    each_segment(s, field, &rays, skip, &mut counter, &mut compositing);
+                    medium.finish(&ray, &rays, traced);
+                    counter.finish(traced, tally);
+                }
             },
         );
     }

@@ -121,6 +121,10 @@ pub trait Integrator: Sync {
     /// How many rays are followed at once.
     fn width(&self) -> usize;
 
-    /// Follows the rays of a packet; `traced` comes as [`Traced::NOTHING`].
-    fn trace(&self, packet: &Packet, traced: &mut Traced, tally: &mut Tally);
+    /// Follows the rays of packets side by side in the picture; there are as many of `traced`, and
+    /// they come as [`Traced::NOTHING`].
+    ///
+    /// Packets of a wave may be followed in turns, so that they read the same voxels while these
+    /// are near.
+    fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally);
 }

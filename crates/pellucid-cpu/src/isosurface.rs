@@ -67,24 +67,26 @@ impl<S: Lanes, F: Field<S>> Integrator for Isosurfaces<'_, S, F> {
         width::<S>()
     }
 
-    fn trace(&self, packet: &Packet, traced: &mut Traced, tally: &mut Tally) {
+    fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
         let s = self.s;
         s.vectorize(
             #[inline(always)]
             || {
-                let rays = Rays::new(s, packet);
-                let mut counter = Counter::new(s);
-                let (zero, none) = (splat(s, 0.0), all(s, false));
-                let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
-                let aim = self.surface.as_ref().map(#[inline(always)] |surface| surface.aim(s, to_eye));
-                let met = Met { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], to_eye, aim };
-                let crossed = Crossed { distance: [zero; 2], value: [zero; 2], lanes: none };
-                let mut search = Search { mode: self, rays: &rays, crossed, met };
-                each_segment(s, &self.field, &rays, self.skip.as_ref(), &mut counter, &mut search);
-                let met = search.met;
-                traced.set_color::<S>(met.color);
-                traced.set_surface(s, met.depth.is_finite(), met.depth, met.normal);
-                counter.finish(traced, tally);
+                for (packet, traced) in wave.iter().zip(traced) {
+                    let rays = Rays::new(s, packet);
+                    let mut counter = Counter::new(s);
+                    let (zero, none) = (splat(s, 0.0), all(s, false));
+                    let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
+                    let aim = self.surface.as_ref().map(#[inline(always)] |surface| surface.aim(s, to_eye));
+                    let met = Met { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], to_eye, aim };
+                    let crossed = Crossed { distance: [zero; 2], value: [zero; 2], lanes: none };
+                    let mut search = Search { mode: self, rays: &rays, crossed, met };
+                    each_segment(s, &self.field, &rays, self.skip.as_ref(), &mut counter, &mut search);
+                    let met = search.met;
+                    traced.set_color::<S>(met.color);
+                    traced.set_surface(s, met.depth.is_finite(), met.depth, met.normal);
+                    counter.finish(traced, tally);
+                }
             },
         );
     }

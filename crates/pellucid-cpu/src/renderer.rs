@@ -143,6 +143,9 @@ fn why_empty(rays_hit: u64) -> String {
     }
 }
 
+/// Packets per side of a wave: those that are followed in turns.
+const WAVE: usize = 4;
+
 fn draw_tile(
     stage: &Stage,
     emitter: &Emitter,
@@ -157,29 +160,34 @@ fn draw_tile(
     let n = stage.quality.supersampling as usize;
     let weight = 1.0 / (n * n) as f32;
     let (mut x, mut y, mut wanted) = ([0.0; MOST_LANES], [0.0; MOST_LANES], [false; MOST_LANES]);
-    let mut packet = Packet::NOTHING;
-    for (top, left) in tile.corners(columns, rows) {
-        let place = |lane: usize| (left + lane % columns, top + lane / columns);
+    let (mut wave, mut traced, mut corners) = (Vec::new(), Vec::new(), Vec::new());
+    for (wave_top, wave_left) in tile.corners(columns * WAVE, rows * WAVE) {
         for sub in 0..n * n {
             if control.is_cancelled() {
                 return Err(RenderError::Cancelled);
             }
-            for lane in 0..lanes {
-                let ((column, row), inside) = (place(lane), |cell: usize| (cell as f64 + 0.5) / n as f64);
-                x[lane] = (tile.x + column) as f64 + inside(sub % n);
-                y[lane] = (tile.y + row) as f64 + inside(sub / n);
-                wanted[lane] = column < tile.width && row < tile.height;
+            (wave.clear(), traced.clear(), corners.clear());
+            for number in 0..WAVE * WAVE {
+                let (left, top) = (wave_left + number % WAVE * columns, wave_top + number / WAVE * rows);
+                for lane in 0..lanes {
+                    let (column, row) = (left + lane % columns, top + lane / columns);
+                    let inside = |cell: usize| (cell as f64 + 0.5) / n as f64;
+                    x[lane] = (tile.x + column) as f64 + inside(sub % n);
+                    y[lane] = (tile.y + row) as f64 + inside(sub / n);
+                    wanted[lane] = column < tile.width && row < tile.height;
+                }
+                let mut packet = Packet::NOTHING;
+                let hit = emitter.emit(&x, &y, &wanted, sub, &mut packet);
+                if hit > 0 {
+                    tile.hit += hit;
+                    (wave.push(packet), traced.push(Traced::NOTHING), corners.push((left, top)));
+                }
             }
-            let hit = emitter.emit(&x, &y, &wanted, sub, &mut packet);
-            if hit == 0 {
-                continue;
-            }
-            tile.hit += hit;
-            let mut traced = Traced::NOTHING;
-            integrator.trace(&packet, &mut traced, &mut tile.tally);
-            for lane in (0..lanes).filter(|&lane| packet.count[lane] > 0.0) {
-                let (column, row) = place(lane);
-                tile.add(column, row, lane, weight, &packet, &traced, stage.step);
+            integrator.trace(&wave, &mut traced, &mut tile.tally);
+            for ((packet, traced), &(left, top)) in wave.iter().zip(&traced).zip(&corners) {
+                for lane in (0..lanes).filter(|&lane| packet.count[lane] > 0.0) {
+                    tile.add(left + lane % columns, top + lane / columns, lane, weight, packet, traced, stage.step);
+                }
             }
         }
     }

@@ -1,4 +1,4 @@
-//! The walk over the samples of a lattice, for modes that look at one value at a time.
+//! The walk over the samples of rays, for modes that look at one value at a time.
 
 use crate::integrator::Counter;
 use crate::lanes::*;
@@ -23,22 +23,36 @@ pub struct Sample<S: Lanes> {
     pub lanes: Mask<S>,
 }
 
-/// Visits the samples that can contribute, nearest first: `fetch` reads what is there, `see` makes
-/// something of it and returns the lanes whose ray is done.
-///
-/// Two samples are fetched before the first is seen, so that waiting for memory overlaps.
-#[inline(always)]
-pub fn each_sample<S: Lanes, T>(
-    s: S,
-    rays: &Rays<S>,
-    skip: Option<&SkipGrid>,
-    counter: &mut Counter<S>,
-    fetch: impl Fn(&Sample<S>) -> T,
-    mut see: impl FnMut(&Sample<S>, T, &mut Counter<S>) -> Mask<S>,
-) {
-    let mut k = splat(s, 0.0);
-    let mut open = rays.has(k);
-    while open.any_true() {
+/// How far the rays of a packet have been followed.
+pub struct March<S: Lanes> {
+    k: F32<S>,
+    open: Mask<S>,
+}
+
+impl<S: Lanes> March<S> {
+    /// At the first samples.
+    #[inline(always)]
+    pub fn new(s: S, rays: &Rays<S>) -> Self {
+        let k = splat(s, 0.0);
+        Self { k, open: rays.has(k) }
+    }
+
+    /// Visits the next [`RUN`] samples that can contribute, nearest first: `fetch` reads what is
+    /// there, `see` makes something of it and returns the lanes whose ray is done. Returns whether
+    /// any ray goes on.
+    ///
+    /// Two samples are fetched before the first is seen, so that waiting for memory overlaps.
+    #[inline(always)]
+    pub fn run<T>(
+        &mut self,
+        s: S,
+        rays: &Rays<S>,
+        skip: Option<&SkipGrid>,
+        counter: &mut Counter<S>,
+        fetch: impl Fn(&Sample<S>) -> T,
+        mut see: impl FnMut(&Sample<S>, T, &mut Counter<S>) -> Mask<S>,
+    ) -> bool {
+        let Self { mut k, mut open } = *self;
         if let Some(skip) = skip {
             let to = skip.leap(s, rays, k, open, Leap::Samples);
             counter.skip(to.min(rays.count) - k);
@@ -47,7 +61,7 @@ pub fn each_sample<S: Lanes, T>(
         for _ in 0..RUN / 2 {
             open &= rays.has(k);
             if !open.any_true() {
-                return;
+                return false;
             }
             let pair = [sample(s, rays, k, open), sample(s, rays, k + 1.0, open)];
             let fetched = [fetch(&pair[0]), fetch(&pair[1])];
@@ -60,6 +74,8 @@ pub fn each_sample<S: Lanes, T>(
             }
             k += 2.0;
         }
+        *self = Self { k, open };
+        open.any_true()
     }
 }
 
