@@ -37,10 +37,7 @@ fn a_cleared_frame_is_a_new_one_in_the_memory_it_had() {
         assert_eq!((&frame.normal, &frame.samples), (&new.normal, &new.samples));
         assert_eq!((frame.statistics, &frame.warnings), (new.statistics, &new.warnings));
     }
-    assert_eq!(
-        memory,
-        (frame.color.as_ptr(), frame.depth.as_ptr(), frame.normal.as_ptr(), frame.samples.as_ptr())
-    );
+    assert_eq!(memory, (frame.color.as_ptr(), frame.depth.as_ptr(), frame.normal.as_ptr(), frame.samples.as_ptr()));
 }
 
 /// IEC 61966-2-1 code values of linear 0, 0.0031308, 0.01, 0.18, 0.5 and 1, computed elsewhere.
