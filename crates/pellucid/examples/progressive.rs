@@ -16,21 +16,22 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let view = stage.viewpoint;
     let mut progressive = Progressive::new(Renderer::new(Backend::Auto)?, stage).with_frames(2);
 
-    println!("| view | preview: 1 ray per | preview ms | full ms | one more frame ms |");
-    println!("|---:|---:|---:|---:|---:|");
+    println!("| view | preview: 1 ray per | preview ms | of it rays ms | full ms | one more frame ms |");
+    println!("|---:|---:|---:|---:|---:|---:|");
     for k in 0..VIEWS {
         progressive.look_from(view.turned(view.up, f64::from(360 * k / VIEWS)), &scene.lighting)?;
-        let mut line = [String::from("-"), String::from("-"), String::new(), String::new()];
+        let mut line = [const { String::new() }; 5];
         loop {
             let started = Instant::now();
             let step = progressive.step(&Control::default())?;
-            let took = format!("{:.1}", started.elapsed().as_secs_f64() * 1e3);
+            let took = ms(started.elapsed().as_secs_f64());
             match step.picture {
                 Picture::Preview { reduction } => {
                     line[0] = format!("{reduction}x{reduction}");
                     line[1] = took;
+                    line[2] = ms(progressive.frame().statistics.render_seconds);
                 }
-                Picture::Full { frames } => line[frames as usize + 1] = took,
+                Picture::Full { frames } => line[frames as usize + 2] = took,
             }
             if !step.more {
                 break;
@@ -39,4 +40,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("| {k} | {} |", line.join(" | "));
     }
     Ok(())
+}
+
+fn ms(seconds: f64) -> String {
+    format!("{:.1}", seconds * 1e3)
 }

@@ -69,8 +69,7 @@ pub struct Progressive {
     frames: u32,
     /// The last picture of this stage.
     reached: Option<Picture>,
-    pace: Option<Pace>,
-    enlarging: f64,
+    pace: Pace,
     shown: Frame,
     /// Drawn, to be enlarged.
     small: Frame,
@@ -117,16 +116,15 @@ impl Progressive {
             preview_within: Some(Self::PREVIEW),
             frames: Self::FRAMES,
             reached: None,
-            pace: None,
-            enlarging: 0.0,
+            pace: Pace::default(),
             shown: Frame::default(),
             small: Frame::default(),
             next: Frame::default(),
         }
     }
 
-    /// The same with another time for the preview. Its resolution is chosen by what the picture before
-    /// it took, so the first one and one after a great change may miss the time; where the full
+    /// The same with another time for the preview. Its resolution is chosen by what the pictures
+    /// before it took, so the first one and one after a great change may miss the time; where the full
     /// picture is fast enough there is no preview. `None` never draws one.
     pub fn with_preview(mut self, within: Option<Duration>) -> Self {
         self.preview_within = within;
@@ -190,9 +188,8 @@ impl Progressive {
 
     fn first(&self) -> Picture {
         let rays_per_pixel = f64::from(self.stage.quality.supersampling).powi(2);
-        let reduction = self
-            .preview_within
-            .map_or(1, |within| preview::reduction(&self.stage.viewpoint, rays_per_pixel, self.pace, within));
+        let reduction =
+            self.preview_within.map_or(1, |within| self.pace.reduction(&self.stage.viewpoint, rays_per_pixel, within));
         if reduction > 1 { Picture::Preview { reduction } } else { Picture::Full { frames: 1 } }
     }
 
@@ -206,8 +203,7 @@ impl Progressive {
         draw(&mut self.renderer, &mut self.stage, rays, control, &mut self.small)?;
         let enlarging = Instant::now();
         preview::enlarge(&self.small, &mut self.shown, view.width, view.height);
-        self.enlarging = enlarging.elapsed().as_secs_f64();
-        self.pace = Some(Pace::new(&self.small.statistics, self.enlarging));
+        self.pace.preview(&self.small.statistics, enlarging.elapsed().as_secs_f64());
         Ok(())
     }
 
@@ -215,7 +211,7 @@ impl Progressive {
         let rays = Rays::of(&self.stage).frame(frames - 1);
         let frame = if frames == 1 { &mut self.shown } else { &mut self.next };
         draw(&mut self.renderer, &mut self.stage, rays, control, frame)?;
-        self.pace = Some(Pace::new(&frame.statistics, self.enlarging));
+        self.pace.whole(&frame.statistics);
         if frames > 1 {
             mean::average(&mut self.shown, &self.next, frames);
         }

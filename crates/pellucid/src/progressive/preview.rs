@@ -10,39 +10,49 @@ const REDUCTIONS: [usize; 7] = [2, 3, 4, 6, 8, 12, 16];
 /// The one of a first picture, when nothing has been measured.
 const UNMEASURED: usize = 4;
 
-/// What the last picture cost, in seconds.
+/// What the last pictures cost, in seconds.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pace {
-    /// To set up, and to fill the window: whatever the resolution.
-    pub fixed: f64,
-    /// Per ray.
-    pub per_ray: f64,
+    setup: f64,
+    enlarging: f64,
+    /// Per ray. Those of a preview are dearer: what they read is farther apart.
+    whole: Option<f64>,
+    preview: Option<f64>,
+}
+
+fn per_ray(statistics: &FrameStatistics) -> Option<f64> {
+    Some(statistics.render_seconds / statistics.rays.max(1) as f64)
 }
 
 impl Pace {
-    /// The pace of a picture that took `enlarging` more seconds to fill the window.
-    pub fn new(statistics: &FrameStatistics, enlarging: f64) -> Self {
-        Self {
-            fixed: statistics.setup_seconds + enlarging,
-            per_ray: statistics.render_seconds / statistics.rays.max(1) as f64,
-        }
+    /// Learns from a preview that took `enlarging` seconds more.
+    pub fn preview(&mut self, statistics: &FrameStatistics, enlarging: f64) {
+        (self.setup, self.enlarging, self.preview) = (statistics.setup_seconds, enlarging, per_ray(statistics));
     }
-}
 
-/// By what to divide the resolution of a view with this many rays per pixel, for a picture within
-/// the budget: by 1 if the whole picture is, by 16 if none is.
-pub fn reduction(view: &Viewpoint, rays_per_pixel: f64, pace: Option<Pace>, budget: Duration) -> usize {
-    let Some(pace) = pace else { return UNMEASURED };
-    let within = |rays: f64| pace.fixed + pace.per_ray * rays <= budget.as_secs_f64();
-    if within((view.width * view.height) as f64 * rays_per_pixel) {
-        return 1;
+    /// Learns from a full picture.
+    pub fn whole(&mut self, statistics: &FrameStatistics) {
+        (self.setup, self.whole) = (statistics.setup_seconds, per_ray(statistics));
     }
-    let rays = |divisor: usize| {
-        let small = view.with_rows(rows(view, divisor));
-        (small.width * small.height) as f64
-    };
-    let [.., coarsest] = REDUCTIONS;
-    REDUCTIONS.into_iter().find(|&divisor| within(rays(divisor))).unwrap_or(coarsest)
+
+    /// By what to divide the resolution of a view with this many rays per pixel, for a picture within
+    /// the budget: by 1 if the whole picture is, by 16 if none is. A quarter of the budget is for rays
+    /// even where all of it is used up before the first: fewer of them would save nothing.
+    pub fn reduction(&self, view: &Viewpoint, rays_per_pixel: f64, budget: Duration) -> usize {
+        let budget = budget.as_secs_f64();
+        let pixels = (view.width * view.height) as f64;
+        if self.whole.is_some_and(|each| self.setup + each * pixels * rays_per_pixel <= budget) {
+            return 1;
+        }
+        let Some(each) = self.preview.or(self.whole) else { return UNMEASURED };
+        let for_rays = (budget - self.setup - self.enlarging).max(budget / 4.0);
+        let [.., coarsest] = REDUCTIONS;
+        let within = |&divisor: &usize| {
+            let small = view.with_rows(rows(view, divisor));
+            each * (small.width * small.height) as f64 <= for_rays
+        };
+        REDUCTIONS.into_iter().find(within).unwrap_or(coarsest)
+    }
 }
 
 /// Rows of a view divided.
@@ -113,7 +123,8 @@ impl Axis {
 }
 
 fn mix(a: [f32; 4], b: [f32; 4], weight: f32) -> [f32; 4] {
-    std::array::from_fn(|c| (b[c] - a[c]).mul_add(weight, a[c]))
+    // Without fused instructions in the target, `mul_add` is a call per channel.
+    std::array::from_fn(|c| a[c] + (b[c] - a[c]) * weight)
 }
 
 #[cfg(test)]
@@ -169,17 +180,39 @@ mod tests {
     #[test]
     fn resolution_follows_the_budget() {
         let view = view(1600, 800);
-        let full = 1600.0 * 800.0;
+        let full = 1600 * 800;
         let budget = Duration::from_millis(30);
-        // A whole picture in `seconds`, 2 ms of it fixed.
-        let by = |seconds: f64| {
-            reduction(&view, 1.0, Some(Pace { fixed: 0.002, per_ray: (seconds - 0.002) / full }), budget)
+        let took = |render_seconds: f64, rays: u64, setup_seconds: f64| FrameStatistics {
+            rays,
+            setup_seconds,
+            render_seconds,
+            ..FrameStatistics::default()
         };
+        assert_eq!(Pace::default().reduction(&view, 1.0, budget), 4);
+        // After a whole picture, 2 ms of it to set up.
+        let after = |seconds: f64| {
+            let mut pace = Pace::default();
+            pace.whole(&took(seconds - 0.002, full, 0.002));
+            pace
+        };
+        let by = |seconds: f64| after(seconds).reduction(&view, 1.0, budget);
         assert_eq!([0.01, 0.029, 0.031, 0.113, 0.115, 0.44, 0.46, 60.0].map(by), [1, 1, 2, 2, 3, 4, 6, 16]);
         // Four rays a pixel are for the whole picture only.
-        let pace = Some(Pace { fixed: 0.0, per_ray: 0.02 / full });
-        assert_eq!([1.0, 4.0].map(|rays| reduction(&view, rays, pace, budget)), [1, 2]);
-        assert_eq!(reduction(&view, 1.0, None, budget), 4);
-        assert_eq!(reduction(&view, 1.0, Some(Pace { fixed: 1.0, per_ray: 0.0 }), budget), 16);
+        assert_eq!([1.0, 4.0].map(|rays| after(0.02).reduction(&view, rays, budget)), [1, 2]);
+        // A preview in a quarter of the rows that took 27 ms, with 1 ms to enlarge it, is as good as can
+        // be, however fast the rays of the whole picture are; another millisecond is too much.
+        let again = |seconds: f64| {
+            let mut pace = after(0.05);
+            pace.preview(&took(seconds, full / 16, 0.002), 0.001);
+            pace.reduction(&view, 1.0, budget)
+        };
+        assert_eq!([0.0269, 0.0271].map(again), [4, 6]);
+        // With the time used up, a quarter of it is for rays.
+        let late = |seconds: f64| {
+            let mut pace = Pace::default();
+            pace.preview(&took(seconds / 16.0, full / 16, 1.0), 0.0);
+            pace.reduction(&view, 1.0, budget)
+        };
+        assert_eq!([0.001, 0.029, 0.031, 16.0 * 0.0076].map(late), [2, 2, 3, 6]);
     }
 }
