@@ -1,6 +1,6 @@
 //! Cameras: how rays leave the eye.
 
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -159,6 +159,7 @@ impl Camera {
             perspective,
             width,
             height,
+            shift: DVec2::ZERO,
         };
         match self.projection {
             Projection::Perspective { vertical_fov } => {
@@ -262,6 +263,9 @@ pub struct Viewpoint {
     pub width: usize,
     /// Rows.
     pub height: usize,
+    /// Added to every picture position, in pixels to the right and down: zero, unless frames with
+    /// their rays elsewhere in the pixels are to be averaged.
+    pub shift: DVec2,
 }
 
 impl Viewpoint {
@@ -269,13 +273,27 @@ impl Viewpoint {
     /// picture, (0.5, 0.5) the middle of its first pixel. Pixels are square.
     pub fn ray(&self, x: f64, y: f64) -> Ray {
         let scale = 2.0 * self.half_height / self.height as f64;
-        let across = self.right * ((x - self.width as f64 / 2.0) * scale);
-        let upward = self.up * ((self.height as f64 / 2.0 - y) * scale);
+        let across = self.right * ((x + self.shift.x - self.width as f64 / 2.0) * scale);
+        let upward = self.up * ((self.height as f64 / 2.0 - y - self.shift.y) * scale);
         if self.perspective {
             Ray { origin: self.eye, direction: (self.forward + across + upward).normalize() }
         } else {
             Ray { origin: self.eye + across + upward, direction: self.forward }
         }
+    }
+
+    /// The view whose ray through (x, y) is this one's through (x + dx, y + dy).
+    pub fn shifted(&self, dx: f64, dy: f64) -> Self {
+        Self { shift: self.shift + DVec2::new(dx, dy), ..*self }
+    }
+
+    /// The same view in `rows` rows (at least 1) and as many columns as cover the picture. Positions
+    /// relative to the middle of the picture scale by `rows / height`, across as well: a last column
+    /// may reach beyond.
+    pub fn with_rows(&self, rows: usize) -> Self {
+        let (rows, height) = (rows.max(1), self.height.max(1));
+        let shift = self.shift * (rows as f64 / height as f64);
+        Self { width: (self.width * rows).div_ceil(height), height: rows, shift, ..*self }
     }
 
     /// The view after a walk of `degrees` around the target: the eye and its directions are turned

@@ -68,15 +68,38 @@ impl fmt::Display for RenderWarning {
 impl Frame {
     /// An empty picture.
     pub fn new(width: usize, height: usize) -> Self {
-        let n = width * height;
-        Self {
-            width,
-            height,
-            color: vec![[0.0; 4]; n],
-            depth: vec![f32::INFINITY; n],
-            normal: vec![[0.0; 3]; n],
-            samples: vec![0; n],
-            ..Self::default()
+        let mut frame = Self::default();
+        frame.clear(width, height);
+        frame
+    }
+
+    /// Makes this an empty picture of some size, in the memory it has as far as that reaches.
+    pub fn clear(&mut self, width: usize, height: usize) {
+        fn fill<T: Copy>(plane: &mut Vec<T>, n: usize, value: T) {
+            plane.clear();
+            plane.resize(n, value);
         }
+        let n = width * height;
+        (self.width, self.height) = (width, height);
+        fill(&mut self.color, n, [0.0; 4]);
+        fill(&mut self.depth, n, f32::INFINITY);
+        fill(&mut self.normal, n, [0.0; 3]);
+        fill(&mut self.samples, n, 0);
+        self.statistics = FrameStatistics::default();
+        self.warnings.clear();
+    }
+}
+
+impl FrameStatistics {
+    /// Adds the totals of another frame.
+    pub fn add(&mut self, other: &Self) {
+        self.rays += other.rays;
+        self.rays_hit += other.rays_hit;
+        self.rays_terminated += other.rays_terminated;
+        self.samples += other.samples;
+        self.samples_visible += other.samples_visible;
+        self.samples_skipped += other.samples_skipped;
+        self.setup_seconds += other.setup_seconds;
+        self.render_seconds += other.render_seconds;
     }
 }

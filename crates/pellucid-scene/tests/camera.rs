@@ -1,7 +1,7 @@
 //! Cameras: what azimuth, elevation, roll, framing and rays mean.
 
 use glam::DVec3;
-use pellucid_scene::{Camera, LookAt, Orbit, Projection, View, Viewpoint};
+use pellucid_scene::{Camera, LookAt, Orbit, Projection, Ray, View, Viewpoint};
 use proptest::prelude::*;
 
 const CUBE: [DVec3; 2] = [DVec3::splat(-1.0), DVec3::splat(1.0)];
@@ -227,5 +227,33 @@ proptest! {
             prop_assert!(close(a, b), "{view:?} {expected:?}");
         }
         prop_assert_eq!((view.turned(DVec3::ZERO, 90.0), view.turned(hint, 0.0)), (view, view));
+    }
+}
+
+proptest! {
+    /// A shift moves rays by pixels; fewer rows move them by nothing: the ray through the same place,
+    /// measured from the middle of the picture in picture heights, is the same.
+    #[test]
+    fn shifts_and_other_resolutions_keep_the_rays(
+        width in 1usize..500, height in 1usize..500, rows in 0usize..600, parallel: bool,
+        (x, y) in (-10.0f64..500.0, -10.0f64..500.0), (dx, dy) in (-3.0f64..3.0, -3.0f64..3.0),
+    ) {
+        let projection = if parallel { PARALLEL } else { perspective(30.0) };
+        let view = camera(projection, View::default()).viewpoint(width, height, &CUBE);
+        let near = |a: Ray, b: Ray| close(a.origin, b.origin) && close(a.direction, b.direction);
+        let shifted = view.shifted(dx, dy);
+        prop_assert!(near(shifted.ray(x, y), view.ray(x + dx, y + dy)));
+        prop_assert!(near(shifted.shifted(dx, -dy).ray(x, y), view.ray(x + 2.0 * dx, y)));
+        prop_assert_eq!(view.shifted(0.0, 0.0).ray(x, y), view.ray(x, y));
+
+        let other = shifted.with_rows(rows);
+        let scale = rows.max(1) as f64 / height as f64;
+        prop_assert_eq!(other.height, rows.max(1));
+        // Its columns cover the picture and no more than that.
+        let covered = width as f64 * scale;
+        prop_assert!(other.width as f64 > covered - 1e-9 && other.width as f64 - 1.0 < covered, "{}", other.width);
+        let place = |v: f64, from: usize, to: usize| (v - from as f64 / 2.0) * scale + to as f64 / 2.0;
+        let ray = other.ray(place(x, width, other.width), place(y, height, other.height));
+        prop_assert!(near(ray, shifted.ray(x, y)));
     }
 }

@@ -20,6 +20,26 @@ fn a_new_frame_is_empty() {
     assert_eq!(warning.to_string(), "the picture is empty: all is clipped");
 }
 
+#[test]
+fn a_cleared_frame_is_a_new_one_in_the_memory_it_had() {
+    let mut frame = Frame::new(8, 5);
+    frame.color.fill([0.5; 4]);
+    frame.depth.fill(1.0);
+    frame.normal.fill([1.0, 0.0, 0.0]);
+    frame.samples.fill(7);
+    frame.statistics.rays = 40;
+    frame.warnings.push(RenderWarning::Empty { reason: String::new() });
+    let memory = (frame.color.as_ptr(), frame.depth.as_ptr(), frame.normal.as_ptr(), frame.samples.as_ptr());
+    for (width, height) in [(3, 4), (8, 5)] {
+        frame.clear(width, height);
+        let new = Frame::new(width, height);
+        assert_eq!((frame.width, frame.height, &frame.color, &frame.depth), (width, height, &new.color, &new.depth));
+        assert_eq!((&frame.normal, &frame.samples), (&new.normal, &new.samples));
+        assert_eq!((frame.statistics, &frame.warnings), (new.statistics, &new.warnings));
+    }
+    assert_eq!(memory, (frame.color.as_ptr(), frame.depth.as_ptr(), frame.normal.as_ptr(), frame.samples.as_ptr()));
+}
+
 /// IEC 61966-2-1 code values of linear 0, 0.0031308, 0.01, 0.18, 0.5 and 1, computed elsewhere.
 #[test]
 fn srgb_code_values_are_those_of_the_standard() {

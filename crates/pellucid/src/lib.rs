@@ -29,15 +29,19 @@
 //! # }
 //! ```
 //!
+//! For a window, [`Progressive`] draws a preview first and then ever better pictures.
+//!
 //! The parts can be imported on their own: [`field`] is what is measured, [`optics`] what it
 //! looks like, [`scene`] what to draw, [`io`] files in and out.
 
 mod load;
+mod progressive;
 mod renderer;
 mod save;
 
 pub use load::{LoadError, load};
 pub use pellucid_cpu::{InstructionSet, RenderError};
+pub use progressive::{Picture, Progressive, Step};
 pub use renderer::{Backend, Renderer};
 pub use save::{PngDepth, SaveError, save, save_exr, save_png};
 

@@ -52,6 +52,11 @@ fn an_interrupted_render_leaves_nothing_behind() {
 }
 
 #[test]
+fn an_interrupted_mean_of_frames_leaves_nothing_behind() {
+    interrupt(&["render", "--accumulate", "9", "-o", "long.png"], "camera:");
+}
+
+#[test]
 fn an_interrupted_measurement_leaves_nothing_behind() {
     interrupt(&["bench", "--json", "long.json"], "camera:");
 }

@@ -93,13 +93,15 @@ fn every_flag_reaches_its_place_in_the_document() {
 }
 
 /// Flags of `render --help` that do not concern the scene.
-const OUTPUT: [&str; 10] = [
+const OUTPUT: [&str; 12] = [
     "--output",
     "--bits",
     "--aux",
     "--save-scene",
     "--backend",
     "--threads",
+    "--simd",
+    "--accumulate",
     "--json",
     "--quiet",
     "--help",

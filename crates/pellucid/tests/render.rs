@@ -114,6 +114,36 @@ fn the_picture_does_not_depend_on_the_number_of_threads() {
     assert_eq!(bytes("1.exr"), bytes("5.exr"));
 }
 
+/// One frame is the plain picture; the mean of more is nearer to what many rays a pixel show.
+#[test]
+fn frames_are_averaged() {
+    let folder = tempdir().unwrap();
+    let path = folder.path();
+    let ball = ["sample:ball@16x16x16", "--step", "0.1", "--encoding", "linear"];
+    render(path, &ball, "plain.png");
+    for frames in ["1", "64"] {
+        render(path, &[&ball[..], &["--accumulate", frames]].concat(), &format!("{frames}.png"));
+    }
+    render(path, &[&ball[..], &["--supersampling", "8"]].concat(), "fine.png");
+    let [plain, one, mean, fine] = ["plain", "1", "64", "fine"].map(|name| picture(&path.join(format!("{name}.png"))));
+    assert_eq!(plain, one);
+    let [from_one, from_mean] = [&one, &mean].map(|picture| {
+        let pairs = picture.pixels.iter().flatten().zip(fine.pixels.iter().flatten());
+        pairs.map(|(a, b)| (a - b).powi(2)).sum::<f32>()
+    });
+    assert!(from_mean < from_one / 4.0, "{from_mean} and {from_one}");
+
+    let args = ["render", ball[0], "--accumulate", "3", "--json", "--size", "8x8", "-o", "b.png"];
+    let output = run_in(path, &args);
+    assert!(text(&output.stderr).contains("drew 8x8 3 times in"), "{}", text(&output.stderr));
+    let told: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&told["frames"], &told["statistics"]["rays"]), (&3.into(), &192.into()));
+    for wrong in ["0", "65536", "2.5"] {
+        let message = fail_in(path, &["render", ball[0], "--accumulate", wrong, "-o", "b.png"], 2);
+        assert!(message.contains("--accumulate"), "{message}");
+    }
+}
+
 #[test]
 fn a_saved_scene_draws_the_same_picture_from_anywhere() {
     let folder = tempdir().unwrap();

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use pellucid::io::IoError;
 use pellucid::scene::{Cancel, Control, Format, Frame, ImageSettings, Scene, Source, Stage};
-use pellucid::{PngDepth, Renderer, load, save_exr, save_png};
+use pellucid::{PngDepth, Progressive, Renderer, load, save_exr, save_png};
 use serde_json::{Value, json};
 
 use super::engine::Engine;
@@ -29,6 +29,7 @@ Examples:
   pellucid render ct.nrrd --mode maximum --background transparent -o mip.png
   pellucid render engine.raw --dims 256x256x256 --type u8 -o engine.png
   pellucid render scene.toml --size 1920x1080 --supersampling 2 -o hd.exr
+  pellucid render sample:head --accumulate 64 -o smooth.png
   pellucid render ct.nrrd --clip 0,1,0,0,-20,0 --save-scene clipped.toml -o clipped.png";
 
 #[derive(clap::Args)]
@@ -40,6 +41,16 @@ pub struct RenderArgs {
     output: OutputFlags,
     #[command(flatten)]
     engine: Engine,
+    /// Average this many frames, 1 to 65535, whose rays lie elsewhere in the pixels and sample elsewhere
+    /// along the way: smooth edges and no banding
+    #[arg(
+        long,
+        value_name = "FRAMES",
+        value_parser = clap::value_parser!(u16).range(1..),
+        default_value = "1",
+        help_heading = "Renderer"
+    )]
+    accumulate: u16,
     #[command(flatten)]
     scene: SceneFlags,
     #[command(flatten)]
@@ -79,7 +90,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let base = args.input.open(&args.raw)?;
     let scene = args.scene.apply(&base.scene)?;
     args.output.check()?;
-    affordable(&scene.image)?;
+    affordable(&scene.image, if args.accumulate > 1 { 2 } else { 1 })?;
 
     let started = Instant::now();
     let (volumes, warnings) = load(&scene, &base.folder)?;
@@ -95,19 +106,21 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let Some(output) = &args.output.output else { return Ok(()) };
 
     let (frame, save_seconds, backend) = interrupt::gracefully(|| {
-        let mut renderer = args.engine.renderer()?;
-        let frame = draw(&mut renderer, &stage, &cancel, report)?;
+        let renderer = args.engine.renderer()?;
+        let backend = renderer.backend();
+        let frame = draw(renderer, stage, args.accumulate.into(), &cancel, report)?;
         let saving = Instant::now();
         args.output.save(output, &frame, &scene.image)?;
-        Ok((frame, saving.elapsed().as_secs_f64(), renderer.backend()))
+        Ok((frame, saving.elapsed().as_secs_f64(), backend))
     })?;
     for warning in &frame.warnings {
         report.warn(warning);
         warnings.push(warning.to_string());
     }
     let seconds = frame.statistics.setup_seconds + frame.statistics.render_seconds;
+    let times = if args.accumulate > 1 { format!(" {} times", args.accumulate) } else { String::new() };
     report.say(format_args!(
-        "drew {}x{} in {seconds:.2} s on the {backend}, wrote {}",
+        "drew {}x{}{times} in {seconds:.2} s on the {backend}, wrote {}",
         frame.width,
         frame.height,
         output.display()
@@ -122,6 +135,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             "output": output.to_string_lossy(),
             "width": frame.width,
             "height": frame.height,
+            "frames": args.accumulate,
             "timings": {
                 "load_seconds": load_seconds,
                 "setup_seconds": frame.statistics.setup_seconds,
@@ -134,11 +148,15 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-fn draw(renderer: &mut Renderer, stage: &Stage, cancel: &Cancel, report: Report) -> Result<Frame, Failure> {
+/// Draws frames and averages them.
+fn draw(renderer: Renderer, stage: Stage, frames: u32, cancel: &Cancel, report: Report) -> Result<Frame, Failure> {
     let progress = Progress::new("drawing", report.quiet);
-    let tell = |share| progress.report(share);
-    let control = Control { progress: Some(&tell), cancel: Some(cancel) };
-    Ok(renderer.render(stage, &control)?)
+    let mut progressive = Progressive::new(renderer, stage).with_preview(None).with_frames(frames);
+    for done in 0..frames {
+        let tell = |share| progress.report((f64::from(done) + share) / f64::from(frames));
+        progressive.step(&Control { progress: Some(&tell), cancel: Some(cancel) })?;
+    }
+    Ok(progressive.into_frame())
 }
 
 impl OutputFlags {
@@ -167,11 +185,12 @@ impl OutputFlags {
     }
 }
 
-/// Refuses a picture that does not fit into memory, where the drawing would be killed.
-pub fn affordable(image: &ImageSettings) -> Result<(), Failure> {
-    /// The frame with all layers, and as much again while it is put together or written.
-    const BYTES_PER_PIXEL: usize = 100;
-    let bytes = (image.width as usize * image.height as usize).saturating_mul(BYTES_PER_PIXEL);
+/// Refuses a picture that does not fit into memory, where the drawing would be killed; `frames` are
+/// held at a time.
+pub fn affordable(image: &ImageSettings, frames: usize) -> Result<(), Failure> {
+    /// A frame with all layers. There is one more of them, in tiles or in what is written.
+    const BYTES_PER_PIXEL: usize = 50;
+    let bytes = (image.width as usize * image.height as usize).saturating_mul(BYTES_PER_PIXEL * (frames + 1));
     Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| {
         let size = format_args!("{} x {} pixels", image.width, image.height);
         Failure::work(format_args!("a picture of {size} needs about {} GB of memory", bytes / 1_000_000_000))

@@ -48,7 +48,7 @@ impl Subject {
     ) -> Result<(Self, Meter<'a>), Failure> {
         let base = input.open(raw)?;
         let scene = flags.apply(&base.scene)?;
-        affordable(&scene.image)?;
+        affordable(&scene.image, 1)?;
         check(&scene)?;
         let loading = Instant::now();
         let (volumes, warnings) = load(&scene, &base.folder)?;
@@ -106,7 +106,7 @@ impl Subject {
 
 /// Frames of a scene over loaded volumes, all from its own camera.
 pub fn still(scene: &Scene, volumes: &[Arc<Volume>], meter: &mut Meter) -> Result<Timing, Failure> {
-    affordable(&scene.image)?;
+    affordable(&scene.image, 1)?;
     let (mut stage, _) = scene.resolve(volumes)?;
     let view = stage.viewpoint;
     let (timing, _) = meter.measure(&mut stage, |_, stage| Ok(stage.look_from(view, &scene.lighting)?))?;

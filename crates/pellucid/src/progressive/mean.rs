@@ -1,0 +1,46 @@
+//! The mean of frames.
+
+use pellucid_scene::Frame;
+use rayon::prelude::*;
+
+/// Fewer pixels are done before another thread has woken up.
+const LEAST: usize = 1 << 14;
+
+/// Takes a frame into a mean of `frames` frames, itself among them. Colour, which is associated, is
+/// averaged; samples and totals are summed; a warning stays as long as it is true of every frame;
+/// depth and normal, of which no mean is a surface, stay those of the first.
+pub fn average(mean: &mut Frame, frame: &Frame, frames: u32) {
+    let share = 1.0 / frames as f32;
+    let colors = mean.color.par_iter_mut().zip(&frame.color).with_min_len(LEAST);
+    colors.for_each(|(mean, color)| (0..4).for_each(|c| mean[c] += (color[c] - mean[c]) * share));
+    let samples = mean.samples.par_iter_mut().zip(&frame.samples).with_min_len(LEAST);
+    samples.for_each(|(sum, samples)| *sum = sum.saturating_add(*samples));
+    mean.statistics.add(&frame.statistics);
+    mean.warnings.retain(|warning| frame.warnings.contains(warning));
+}
+
+#[cfg(test)]
+mod tests {
+    use pellucid_scene::RenderWarning;
+
+    use super::*;
+
+    #[test]
+    fn colours_are_averaged_and_counts_summed() {
+        let colors = [[0.25, 1.0, 0.0, 0.5], [0.75, 4.0, 0.0, 1.0], [0.5, 1.0, 3.0, 0.0]];
+        let frames = colors.map(|color| {
+            let mut frame = Frame::new(1, 1);
+            (frame.color[0], frame.depth[0], frame.samples[0]) = (color, color[0], 5);
+            frame.statistics.rays = 1;
+            frame.warnings.push(RenderWarning::Empty { reason: String::new() });
+            frame
+        });
+        let mut mean = frames[0].clone();
+        average(&mut mean, &frames[1], 2);
+        assert_eq!((mean.color[0], mean.warnings.len()), ([0.5, 2.5, 0.0, 0.75], 1));
+        average(&mut mean, &Frame { warnings: vec![], ..frames[2].clone() }, 3);
+        let exact = [0.5, 2.0, 1.0, 0.5];
+        assert!((0..4).all(|c| (mean.color[0][c] - exact[c]).abs() < 1e-6), "{:?}", mean.color);
+        assert_eq!((mean.depth[0], mean.samples[0], mean.statistics.rays, mean.warnings.len()), (0.25, 15, 3, 0));
+    }
+}
