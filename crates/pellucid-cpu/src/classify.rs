@@ -6,11 +6,14 @@ use pellucid_optics::{Nodes, PreIntegration, StepTable, Table};
 
 use crate::field::lane_position;
 use crate::lanes::*;
+use crate::samples::Sample;
 
 /// A table of linear RGB and opacity in the shape lanes look it up (4.1-4).
 pub struct Lookup<'a> {
     entries: &'a [[f32; 4]],
     nodes: Nodes,
+    /// Entries of one table; those of longer strides follow it, if there are any.
+    count: usize,
     /// Between these positions, exclusive, lie all entries with any opacity.
     hull: [f32; 2],
 }
@@ -21,23 +24,30 @@ impl<'a> Lookup<'a> {
         Self::new(table.entries(), table.nodes())
     }
 
+    /// Associated colours of one step and, one table after the other, of longer strides.
+    pub fn of_strides(entries: &'a [[f32; 4]], nodes: &Nodes) -> Self {
+        Self::new(entries, nodes)
+    }
+
     /// Colours and opacities per unit distance.
     pub fn of_table(table: &'a Table) -> Self {
         Self::new(table.entries(), table.nodes())
     }
 
     fn new(entries: &'a [[f32; 4]], nodes: &Nodes) -> Self {
-        assert!(entries.len() == nodes.count() && entries.len() >= 2);
+        let count = nodes.count();
+        assert!(count >= 2 && entries.len() >= count && entries.len().is_multiple_of(count));
+        let first_table = &entries[..count];
         let visible = |entry: &[f32; 4]| entry[3] > 0.0;
-        let hull = match (entries.iter().position(visible), entries.iter().rposition(visible)) {
+        let hull = match (first_table.iter().position(visible), first_table.iter().rposition(visible)) {
             // Beyond an end of the table its last entry goes on.
             (Some(first), Some(last)) => [
                 if first == 0 { f32::NEG_INFINITY } else { first as f32 - 1.0 },
-                if last + 1 == entries.len() { f32::INFINITY } else { last as f32 + 1.0 },
+                if last + 1 == count { f32::INFINITY } else { last as f32 + 1.0 },
             ],
             _ => [f32::INFINITY, f32::NEG_INFINITY],
         };
-        Self { entries, nodes: *nodes, hull }
+        Self { entries, nodes: *nodes, count, hull }
     }
 
     /// The position of values among the nodes.
@@ -52,12 +62,19 @@ impl<'a> Lookup<'a> {
         position.simd_gt(splat(s, self.hull[0])) & position.simd_lt(splat(s, self.hull[1]))
     }
 
-    /// The entries at positions; any entry in lanes that are not a number.
+    /// The entries at positions, of the table of a level; any entry in lanes that are not a number.
     #[inline(always)]
-    pub fn at<S: Lanes>(&self, s: S, position: F32<S>) -> [F32<S>; 4] {
-        let last = self.entries.len() - 1;
+    pub fn at<S: Lanes>(&self, s: S, position: F32<S>, level: Option<I32<S>>) -> [F32<S>; 4] {
+        let last = self.count - 1;
         let (node, t) = cell(s, limited(s, position, last), last);
-        // SAFETY: `cell` gives a node from 0 to the last but one.
+        let node = match level {
+            Some(level) => {
+                let most = (self.entries.len() / self.count) as i32 - 1;
+                node + level.max(whole(s, 0)).min(whole(s, most)) * self.count as i32
+            }
+            None => node,
+        };
+        // SAFETY: `cell` gives a node from 0 to the last but one, of a table that is there.
         let (from, to) = unsafe {
             let base = self.entries.as_ptr();
             (s.gather_rows(base, node), s.gather_rows(base.add(1), node))
@@ -69,7 +86,7 @@ impl<'a> Lookup<'a> {
     #[inline(always)]
     pub fn lookup<S: Lanes>(&self, s: S, values: F32<S>) -> [F32<S>; 4] {
         let present = values.is_finite();
-        let found = self.at(s, self.position(s, values));
+        let found = self.at(s, self.position(s, values), None);
         rgba!(C => present.select(found[C], splat(s, 0.0)))
     }
 }
@@ -104,8 +121,8 @@ pub struct Classified<S: Lanes> {
 
 /// Classifies single samples.
 pub trait Classify: Sync {
-    /// The samples at index positions with these values, or `None` if none has any opacity.
-    fn classify<S: Lanes>(&self, s: S, value: F32<S>, index: Vec3<S>, lanes: Mask<S>) -> Option<Classified<S>>;
+    /// Samples with these values, or `None` if none has any opacity.
+    fn classify<S: Lanes>(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Classified<S>>;
 }
 
 /// The transfer function applied to the interpolated value (4.3-1).
@@ -113,13 +130,13 @@ pub struct Post<'a>(pub Lookup<'a>);
 
 impl Classify for Post<'_> {
     #[inline(always)]
-    fn classify<S: Lanes>(&self, s: S, value: F32<S>, _: Vec3<S>, lanes: Mask<S>) -> Option<Classified<S>> {
+    fn classify<S: Lanes>(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Classified<S>> {
         let position = self.0.position(s, value);
-        let candidates = lanes & self.0.may_be_visible(s, position);
+        let candidates = sample.lanes & self.0.may_be_visible(s, position);
         if !candidates.any_true() {
             return None;
         }
-        let rgba = self.0.at(s, position);
+        let rgba = self.0.at(s, position, sample.level);
         let visible = candidates & rgba[3].simd_gt(splat(s, 0.0));
         Some(Classified { rgba, visible })
     }
@@ -140,7 +157,7 @@ pub struct Pre<'a> {
 
 impl Classify for Pre<'_> {
     #[inline(always)]
-    fn classify<S: Lanes>(&self, s: S, _: F32<S>, index: Vec3<S>, lanes: Mask<S>) -> Option<Classified<S>> {
+    fn classify<S: Lanes>(&self, s: S, _: F32<S>, &Sample { index, lanes, .. }: &Sample<S>) -> Option<Classified<S>> {
         let mut rgba = [splat(s, 0.0); 4];
         let bits = lanes.to_bitmask();
         for lane in (0..width::<S>()).filter(|lane| bits >> lane & 1 == 1) {

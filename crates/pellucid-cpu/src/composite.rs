@@ -111,10 +111,12 @@ impl<S: Lanes, F: Field<S>, C: Classify> Integrator for Composite<'_, S, F, C> {
                             medium.skip.as_ref(),
                             &mut packet.counter,
                             #[inline(always)]
+                            |index| medium.field.prefetch(s, index),
+                            #[inline(always)]
                             |sample| medium.field.values(s, sample.index, sample.lanes),
                             #[inline(always)]
                             |sample, value, counter| {
-                                let classified = self.classifier.classify(s, value, sample.index, sample.lanes);
+                                let classified = self.classifier.classify(s, value, sample);
                                 let Some(Classified { mut rgba, visible }) = classified else { return all(s, false) };
                                 counter.see(visible);
                                 if sample.shortened {

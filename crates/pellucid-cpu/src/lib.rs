@@ -25,6 +25,7 @@ mod samples;
 mod segments;
 mod skip;
 mod slice;
+mod stride;
 mod surface;
 mod tiles;
 

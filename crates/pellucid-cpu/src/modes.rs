@@ -14,6 +14,7 @@ use crate::prepare::{Prepared, mode, plane};
 use crate::projection::{Additive, Average, Extreme, XRay};
 use crate::skip::{ExtremeGrid, SkipGrid};
 use crate::slice::Plane;
+use crate::stride;
 use crate::surface::Surface;
 
 impl Prepared<'_> {
@@ -103,8 +104,13 @@ impl Prepared<'_> {
                 match &self.preintegration {
                     Some(table) => Box::new(PreIntegrated { medium, table: Segments(table) }),
                     None => {
-                        let classifier = Post(Lookup::of_steps(&self.step_table));
-                        Box::new(Composite { medium, classifier })
+                        let lookup = match &self.stride_entries {
+                            Some(entries) => Lookup::of_strides(entries, self.step_table.nodes()),
+                            None => Lookup::of_steps(&self.step_table),
+                        };
+                        let mut medium = medium;
+                        medium.skip = medium.skip.map(|skip| self.with_strides(skip));
+                        Box::new(Composite { medium, classifier: Post(lookup) })
                     }
                 }
             }
@@ -166,6 +172,15 @@ impl Prepared<'_> {
 
     fn skip_invisible(&self) -> Option<SkipGrid> {
         self.skip(|low, high| self.visibility.any_opacity(low, high))
+    }
+
+    /// Strides as long as the data allow, if steps adapt to them.
+    fn with_strides(&self, skip: SkipGrid) -> SkipGrid {
+        let (Some(blocks), Some(_)) = (&self.blocks, &self.stride_entries) else { return skip };
+        let tolerance = self.stage.quality.adaptive_tolerance;
+        let live = |low, high| self.visibility.any_opacity(low, high);
+        let shortest = self.grid().spacing().into_iter().fold(f64::INFINITY, f64::min);
+        skip.with_levels(stride::levels(blocks, &self.step_table, live, tolerance, self.stage.step / shortest))
     }
 
     fn skip(&self, live: impl Fn(f32, f32) -> bool) -> Option<SkipGrid> {

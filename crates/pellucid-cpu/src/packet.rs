@@ -120,6 +120,12 @@ impl<S: Lanes> Rays<S> {
         n.simd_ge(self.count).select((splat(s, 1.0) - self.jitter) * self.last_ratio, length)
     }
 
+    /// Length of a segment of `stride` steps from segment k on, or what is left of the ray.
+    #[inline(always)]
+    pub fn stride(&self, k: F32<S>, stride: F32<S>) -> F32<S> {
+        (self.count - 1.0 - k + self.last_ratio).min(stride)
+    }
+
     /// Distance of the exit.
     #[inline(always)]
     pub fn length(&self) -> F32<S> {

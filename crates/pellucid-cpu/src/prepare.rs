@@ -8,6 +8,7 @@ use pellucid_optics::{DataRange, PreIntegration, StepTable, Table, Visibility};
 use pellucid_scene::{Classification, Mode, RayCast, Region, Slice, Stage, StageVolume, Technique};
 
 use crate::RenderError;
+use crate::stride;
 
 /// What depends on the data alone and is kept from frame to frame.
 #[derive(Default)]
@@ -60,6 +61,8 @@ pub struct Prepared<'s> {
     pub table: Table,
     /// Associated colour and opacity of one step.
     pub step_table: StepTable,
+    /// The entries of all strides, if steps adapt to the data.
+    pub stride_entries: Option<Vec<[f32; 4]>>,
     /// Which values are visible.
     pub visibility: Visibility,
     /// Ray integrals of one step, if classification is pre-integrated.
@@ -101,9 +104,19 @@ impl<'s> Prepared<'s> {
         let blocks = (stage.quality.empty_space_skipping && bounded)
             .then(|| cache.blocks(&volume.volume, volume.component, filter.half_width() - 1))
             .transpose()?;
+        let step_table = StepTable::new(&table, ratio as f32)?;
+        // Without blocks nothing is known of the data ahead.
+        let adaptive = stage.quality.adaptive_tolerance > 0.0 && blocks.is_some();
+        let stride_entries = adaptive
+            .then(|| {
+                let tables = stride::tables(&table, ratio as f32)?;
+                Ok::<_, RenderError>(tables.iter().flat_map(StepTable::entries).copied().collect())
+            })
+            .transpose()?;
         Ok(Self {
             region: region(stage, volume),
-            step_table: StepTable::new(&table, ratio as f32)?,
+            stride_entries,
+            step_table,
             stage,
             volume,
             field,

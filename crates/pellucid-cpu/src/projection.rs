@@ -5,7 +5,7 @@ use crate::field::Field;
 use crate::integrator::{Counter, Integrator, Tally, Traced};
 use crate::lanes::*;
 use crate::packet::{Packet, Rays};
-use crate::samples::{March, RUN};
+use crate::samples::{March, RUN, Sample, sample};
 use crate::skip::{ExtremeGrid, SkipGrid};
 
 /// The largest or the smallest value.
@@ -48,17 +48,16 @@ impl<S: Lanes, F: Field<S>> Integrator for Extreme<'_, S, F> {
                             k = to;
                         }
                         for _ in 0..RUN {
-                            let lanes = rays.has(k);
+                            let Sample { distance, index, lanes, .. } = sample(s, &rays, k, rays.has(k));
                             if !lanes.any_true() {
                                 break;
                             }
                             counter.sample(lanes);
-                            let distance = rays.sample(s, k);
-                            let value = self.field.values(s, rays.at(distance), lanes) * sign;
+                            let value = self.field.values(s, index, lanes) * sign;
                             let better = lanes & value.simd_gt(best);
                             best = better.select(value, best);
                             depth = better.select(distance, depth);
-                            k = lanes.select(k + 1.0, k);
+                            k += 1.0;
                         }
                     }
                     let value = best.is_finite().select(best * sign, splat(s, f32::NAN));
@@ -97,7 +96,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
                     let mut counter = Counter::new(s);
                     let (mut sum, mut length) = (splat(s, 0.0), splat(s, 0.0));
                     let mut march = March::new(s, &rays);
- while march.run(s, &rays, None, &mut counter, #[inline(always)] |sample| self.field.values(s, sample.index, sample.lanes), #[inline(always)] |sample, value, _| {
+ while march.run(s, &rays, None, &mut counter, |_| (), #[inline(always)] |sample| self.field.values(s, sample.index, sample.lanes), #[inline(always)] |sample, value, _| {
                             let present = sample.lanes & value.is_finite();
                             sum = present.select(value.mul_add(sample.ratio, sum), sum);
                             length = present.select(length + sample.ratio, length);
@@ -165,7 +164,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
                     let mut counter = Counter::new(s);
                     let mut sum = [splat(s, 0.0); 3];
                     let mut march = March::new(s, &rays);
- while march.run(s, &rays, self.skip.as_ref(), &mut counter, #[inline(always)] |sample| self.field.values(s, sample.index, sample.lanes), #[inline(always)] |sample, value, counter| {
+ while march.run(s, &rays, self.skip.as_ref(), &mut counter, |_| (), #[inline(always)] |sample| self.field.values(s, sample.index, sample.lanes), #[inline(always)] |sample, value, counter| {
                             let [r, g, b, a] = self.table.lookup(s, value);
                             let visible = sample.lanes & a.simd_gt(splat(s, 0.0));
                             counter.see(visible);
@@ -212,7 +211,7 @@ impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
                     let mut counter = Counter::new(s);
                     let mut through = splat(s, 1.0);
                     let mut march = March::new(s, &rays);
- while march.run(s, &rays, self.skip.as_ref(), &mut counter, #[inline(always)] |sample| self.field.values(s, sample.index, sample.lanes), #[inline(always)] |sample, value, counter| {
+ while march.run(s, &rays, self.skip.as_ref(), &mut counter, |_| (), #[inline(always)] |sample| self.field.values(s, sample.index, sample.lanes), #[inline(always)] |sample, value, counter| {
                             let mut alpha = self.table.lookup(s, value)[3];
                             let visible = sample.lanes & alpha.simd_gt(splat(s, 0.0));
                             counter.see(visible);

@@ -108,43 +108,86 @@ impl Emitter {
         s.vectorize(
             #[inline(always)]
             || {
-                // Plain loops over plain arrays: the compiler makes vectors of them.
-                for lane in 0..width::<S>() {
-                    let (a, b) = ((x[lane] - self.half[0]) * self.pixel, (self.half[1] - y[lane]) * self.pixel);
-                    let unit = if self.perspective { 1.0 / (1.0 + a * a + b * b).sqrt() } else { 1.0 };
-                    let (mut t0, mut t1) = (0.0f64, f64::INFINITY);
-                    for axis in 0..3 {
-                        let (o, d) = (self.origin.at(axis, a, b), self.direction.at(axis, a, b) * unit);
-                        // Never 0: a ray along a face is in or out by the sign of a huge number.
-                        let inverse = 1.0 / if d.abs() < 1e-200 { 1e-200 } else { d };
+                // One plain loop over plain arrays after the other: the compiler makes vectors of them.
+                let n = width::<S>();
+                let (mut a, mut b, mut unit) = ([0.0; MOST_LANES], [0.0; MOST_LANES], [1.0; MOST_LANES]);
+                let (mut t0, mut t1) = ([0.0; MOST_LANES], [f64::INFINITY; MOST_LANES]);
+                let (mut origin, mut direction) = ([[0.0; MOST_LANES]; 3], [[0.0; MOST_LANES]; 3]);
+                for lane in 0..n {
+                    a[lane] = (x[lane] - self.half[0]) * self.pixel;
+                    b[lane] = (self.half[1] - y[lane]) * self.pixel;
+                }
+                if self.perspective {
+                    for lane in 0..n {
+                        unit[lane] = 1.0 / (1.0 + a[lane] * a[lane] + b[lane] * b[lane]).sqrt();
+                    }
+                }
+                for axis in 0..3 {
+                    for lane in 0..n {
+                        let o = self.origin.at(axis, a[lane], b[lane]);
+                        let d = self.direction.at(axis, a[lane], b[lane]) * unit[lane];
+                        (origin[axis][lane], direction[axis][lane]) = (o, d);
+                        let inverse = 1.0 / nonzero(d);
                         let (near, far) = ((self.low[axis] - o) * inverse, (self.high[axis] - o) * inverse);
-                        t0 = t0.max(near.min(far));
-                        t1 = t1.min(near.max(far));
+                        t0[lane] = larger(t0[lane], smaller(near, far));
+                        t1[lane] = smaller(t1[lane], larger(near, far));
                     }
-                    for plane in &self.planes {
-                        let linear = |v: &[f64; 3]| v[0] + v[1] * a + v[2] * b;
-                        let (slope, above) = (linear(&plane.slope) * unit, linear(&plane.above));
-                        let crossing = -above / if slope.abs() < 1e-200 { 1e-200 } else { slope };
-                        t0 = if slope >= 0.0 { t0.max(crossing) } else { t0 };
-                        t1 = if slope < 0.0 { t1.min(crossing) } else { t1 };
+                }
+                for Plane { slope, above } in &self.planes {
+                    for lane in 0..n {
+                        let slope = (slope[0] + slope[1] * a[lane] + slope[2] * b[lane]) * unit[lane];
+                        let above = above[0] + above[1] * a[lane] + above[2] * b[lane];
+                        let crossing = -above / nonzero(slope);
+                        t0[lane] = if slope >= 0.0 { larger(t0[lane], crossing) } else { t0[lane] };
+                        t1[lane] = if slope < 0.0 { smaller(t1[lane], crossing) } else { t1[lane] };
                     }
-                    let whole = (t1 - t0) / self.step;
+                }
+                for lane in 0..n {
+                    let whole = (t1[lane] - t0[lane]) / self.step;
                     // A remainder below the precision of the interval is no segment.
-                    let count = (whole - 1e-9).ceil().max(1.0);
-                    let hit = wanted[lane] & (t0 < t1);
-                    packet.count[lane] = if hit { count as f32 } else { 0.0 };
-                    packet.last_ratio[lane] = (whole - (count - 1.0)).min(1.0) as f32;
-                    packet.entry[lane] = t0;
-                    for axis in 0..3 {
-                        /// No step is this many voxels; keeps positions finite.
-                        const FAR: f64 = 1e30;
-                        let (o, d) = (self.origin.at(axis, a, b), self.direction.at(axis, a, b) * unit);
-                        packet.origin[axis][lane] = (o + d * t0).clamp(-FAR, FAR) as f32;
-                        packet.direction[axis][lane] = (d * self.step).clamp(-FAR, FAR) as f32;
-                        packet.world_direction[axis][lane] = (self.world_direction.at(axis, a, b) * unit) as f32;
+                    let count = larger((whole - 1e-9).ceil(), 1.0);
+                    packet.count[lane] = if t0[lane] < t1[lane] { count as f32 } else { 0.0 };
+                    packet.last_ratio[lane] = smaller(whole - (count - 1.0), 1.0) as f32;
+                    packet.entry[lane] = t0[lane];
+                }
+                for axis in 0..3 {
+                    for lane in 0..n {
+                        let entry = origin[axis][lane] + direction[axis][lane] * t0[lane];
+                        packet.origin[axis][lane] = finite(entry) as f32;
+                        packet.direction[axis][lane] = finite(direction[axis][lane] * self.step) as f32;
+                        let world = self.world_direction.at(axis, a[lane], b[lane]) * unit[lane];
+                        packet.world_direction[axis][lane] = world as f32;
                     }
+                }
+                for lane in 0..n {
+                    packet.count[lane] = if wanted[lane] { packet.count[lane] } else { 0.0 };
                 }
             },
         );
     }
+}
+
+/// The larger number: one instruction, as nothing is said of NaN.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The smaller number.
+#[inline(always)]
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// A number to divide by: a ray along a plane is on one side of it by the sign of a huge number.
+#[inline(always)]
+fn nonzero(x: f64) -> f64 {
+    if x.abs() < 1e-200 { 1e-200 } else { x }
+}
+
+/// A number of voxels that f32 can hold; none is ever that large.
+#[inline(always)]
+fn finite(x: f64) -> f64 {
+    const FAR: f64 = 1e30;
+    larger(smaller(x, FAR), -FAR)
 }

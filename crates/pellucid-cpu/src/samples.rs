@@ -3,7 +3,7 @@
 use crate::integrator::Counter;
 use crate::lanes::*;
 use crate::packet::Rays;
-use crate::skip::{Leap, SkipGrid};
+use crate::skip::{Leap, Levels, SkipGrid};
 
 /// How many samples are taken between two looks at the blocks: asking at every border costs more
 /// than the samples it saves.
@@ -15,8 +15,10 @@ pub struct Sample<S: Lanes> {
     pub distance: F32<S>,
     /// Index position.
     pub index: Vec3<S>,
-    /// Length of the segment it stands for, in steps.
+    /// Length of the segment it stands for, in strides.
     pub ratio: F32<S>,
+    /// The binary logarithm of the stride, if strides are not all 1.
+    pub level: Option<I32<S>>,
     /// Whether any ratio is not 1.
     pub shortened: bool,
     /// Lanes that have this sample.
@@ -49,6 +51,7 @@ impl<S: Lanes> March<S> {
         rays: &Rays<S>,
         skip: Option<&SkipGrid>,
         counter: &mut Counter<S>,
+        prefetch: impl Fn(Vec3<S>),
         fetch: impl Fn(&Sample<S>) -> T,
         mut see: impl FnMut(&Sample<S>, T, &mut Counter<S>) -> Mask<S>,
     ) -> bool {
@@ -58,12 +61,21 @@ impl<S: Lanes> March<S> {
             counter.skip(to.min(rays.count) - k);
             k = to;
         }
+        // Not `Option::map`: see `xyz`.
+        let strides = match skip.and_then(SkipGrid::levels) {
+            Some(levels) => Some(Strides::at(s, rays, levels, k)),
+            None => None,
+        };
         for _ in 0..RUN / 2 {
             open &= rays.has(k);
             if !open.any_true() {
                 return false;
             }
-            let pair = [sample(s, rays, k, open), sample(s, rays, k + 1.0, open)];
+            prefetch(rays.at(k + RUN as f32));
+            let pair = match &strides {
+                None => [sample(s, rays, k, open), sample(s, rays, k + 1.0, open)],
+                Some(strides) => [strides.sample(s, rays, k, open), strides.sample(s, rays, k + strides.length, open)],
+            };
             let fetched = [fetch(&pair[0]), fetch(&pair[1])];
             for (mut sample, fetched) in pair.into_iter().zip(fetched) {
                 sample.lanes &= open;
@@ -72,7 +84,10 @@ impl<S: Lanes> March<S> {
                 counter.terminate(done);
                 open &= !done;
             }
-            k += 2.0;
+            k += match &strides {
+                None => splat(s, 2.0),
+                Some(strides) => strides.length * 2.0,
+            };
         }
         *self = Self { k, open };
         open.any_true()
@@ -81,10 +96,37 @@ impl<S: Lanes> March<S> {
 
 /// Sample k of every open ray that has one.
 #[inline(always)]
-fn sample<S: Lanes>(s: S, rays: &Rays<S>, k: F32<S>, open: Mask<S>) -> Sample<S> {
+pub fn sample<S: Lanes>(s: S, rays: &Rays<S>, k: F32<S>, open: Mask<S>) -> Sample<S> {
     let lanes = open & rays.has(k);
     let shortened = (lanes & rays.is_last(k)).any_true();
     let ratio = if shortened { rays.ratio(s, k) } else { splat(s, 1.0) };
     let distance = if shortened { rays.sample(s, k) } else { k + rays.jitter };
-    Sample { distance, index: rays.at(distance), ratio, shortened, lanes }
+    Sample { distance, index: rays.at(distance), ratio, level: None, shortened, lanes }
+}
+
+/// Steps of different lengths in every lane, for one run.
+struct Strides<S: Lanes> {
+    level: I32<S>,
+    /// In steps.
+    length: F32<S>,
+}
+
+impl<S: Lanes> Strides<S> {
+    /// What the blocks at the next samples allow.
+    #[inline(always)]
+    fn at(s: S, rays: &Rays<S>, levels: &Levels, k: F32<S>) -> Self {
+        let level = levels.at(s, &rays.at(rays.sample(s, k)));
+        Self { level, length: (whole(s, 1) << level).to_float() }
+    }
+
+    /// The sample of the stride that starts with segment k, in the middle of what is left of it.
+    #[inline(always)]
+    fn sample(&self, s: S, rays: &Rays<S>, k: F32<S>, open: Mask<S>) -> Sample<S> {
+        let lanes = open & rays.has(k);
+        let length = rays.stride(k, self.length);
+        let shortened = (lanes & length.simd_lt(self.length)).any_true();
+        let distance = rays.jitter.mul_add(length, k);
+        let ratio = if shortened { length / self.length } else { splat(s, 1.0) };
+        Sample { distance, index: rays.at(distance), ratio, level: Some(self.level), shortened, lanes }
+    }
 }

@@ -70,6 +70,26 @@ pub struct SkipGrid {
     layout: Layout,
     /// With room to read a word at the last one.
     distance: Vec<u8>,
+    levels: Option<Levels>,
+}
+
+/// The level of the stride that every block allows; see [`stride`](crate::stride).
+pub struct Levels {
+    layout: Layout,
+    /// With room to read a word at the last one.
+    levels: Vec<u8>,
+}
+
+impl Levels {
+    /// The levels of the blocks at index positions.
+    #[inline(always)]
+    pub fn at<S: Lanes>(&self, s: S, p: &Vec3<S>) -> I32<S> {
+        let met = self.layout.meet(s, p);
+        // SAFETY: `meet` limits positions to the grid, every cell of which has its block; three
+        // more bytes follow the last.
+        let words: I32<S> = unsafe { s.gather::<1>(self.levels.as_ptr(), met.number) }.bitcast();
+        words & 0xff
+    }
 }
 
 impl SkipGrid {
@@ -84,7 +104,19 @@ impl SkipGrid {
             }
         });
         distance.extend([0; 3]);
-        Self { layout: Layout::new(blocks), distance }
+        Self { layout: Layout::new(blocks), distance, levels: None }
+    }
+
+    /// The same with longer strides where the levels of blocks allow them.
+    pub fn with_levels(mut self, mut levels: Vec<u8>) -> Self {
+        levels.extend([0; 3]);
+        self.levels = Some(Levels { layout: self.layout, levels });
+        self
+    }
+
+    /// The levels of strides, if they are not all 1 step.
+    pub fn levels(&self) -> Option<&Levels> {
+        self.levels.as_ref()
     }
 
     #[inline(always)]
@@ -108,13 +140,17 @@ impl SkipGrid {
             let p = rays.at(distance);
             let met = self.layout.meet(s, &p);
             let reach = self.distance(s, &met);
+            let empty = lanes & reach.simd_gt(splat(s, 0.0));
+            if !empty.any_true() {
+                return k;
+            }
             let steps = self.layout.leave(s, &p, &met, reach, &rays.inverse).ceil();
             let far = match over {
                 Leap::Samples => steps.max(splat(s, 1.0)),
                 // To the last node inside the cube.
                 Leap::Segments => (steps - 1.0).max(splat(s, 0.0)),
             };
-            let empty = lanes & reach.simd_gt(splat(s, 0.0)) & far.simd_gt(splat(s, 0.0));
+            let empty = empty & far.simd_gt(splat(s, 0.0));
             if !empty.any_true() {
                 return k;
             }
@@ -155,8 +191,7 @@ impl ExtremeGrid {
         Self { layout: Layout::new(blocks), extremes: blocks.ranges().iter().map(extreme).collect() }
     }
 
-    /// The first number from k on, in every lane, whose sample may exceed `best`, or one beyond
-    /// the last.
+    /// The first sample from k on, in every lane, that may exceed `best`, or one beyond the last.
     #[inline(always)]
     pub fn leap<S: Lanes>(&self, s: S, rays: &Rays<S>, mut k: F32<S>, best: F32<S>) -> F32<S> {
         let one = splat(s, 1.0);

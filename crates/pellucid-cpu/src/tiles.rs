@@ -77,8 +77,10 @@ impl Tile {
 /// The tiles of a picture; kept from frame to frame with their memory.
 #[derive(Debug, Default)]
 pub struct Tiles {
+    /// Those of the picture, then those that larger pictures had.
     tiles: Vec<Tile>,
     layout: [usize; 3],
+    count: usize,
 }
 
 impl Tiles {
@@ -89,8 +91,9 @@ impl Tiles {
         }
         self.layout = [width, height, side];
         let [columns, rows] = [width.div_ceil(side), height.div_ceil(side)];
-        self.tiles.resize_with(columns * rows, Tile::default);
-        for (number, tile) in self.tiles.iter_mut().enumerate() {
+        self.count = columns * rows;
+        self.tiles.resize_with(self.tiles.len().max(self.count), Tile::default);
+        for (number, tile) in self.tiles[..self.count].iter_mut().enumerate() {
             let (x, y) = (number % columns * side, number / columns * side);
             tile.place(x, y, side.min(width - x), side.min(height - y));
         }
@@ -105,8 +108,8 @@ impl Tiles {
         control: &Control,
         draw: impl Fn(&mut Tile) -> Result<(), RenderError> + Sync,
     ) -> Result<(), RenderError> {
-        let (done, all) = (Mutex::new(0usize), self.tiles.len());
-        self.tiles.par_iter_mut().with_max_len(1).try_for_each(|tile| {
+        let (done, all) = (Mutex::new(0usize), self.count);
+        self.tiles[..all].par_iter_mut().with_max_len(1).try_for_each(|tile| {
             tile.clear();
             draw(tile)?;
             // Reported under the lock, so that progress never runs backwards.
@@ -126,7 +129,7 @@ impl Tiles {
         let depth = frame.depth.par_chunks_mut(band);
         let normal = frame.normal.par_chunks_mut(band);
         let samples = frame.samples.par_chunks_mut(band);
-        let tiles = self.tiles.par_chunks(columns);
+        let tiles = self.tiles[..self.count].par_chunks(columns);
         tiles.zip(color).zip(depth).zip(normal).zip(samples).for_each(
             |((((tiles, color), depth), normal), samples)| {
                 for (tile, row) in tiles.iter().flat_map(|tile| (0..tile.height).map(move |row| (tile, row))) {
@@ -144,7 +147,7 @@ impl Tiles {
     /// The counts of all tiles, and the rays that met the volume.
     pub fn total(&self) -> (Tally, u64) {
         let mut total = (Tally::default(), 0);
-        for tile in &self.tiles {
+        for tile in &self.tiles[..self.count] {
             total.0.add(&tile.tally);
             total.1 += tile.hit;
         }

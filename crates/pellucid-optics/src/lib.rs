@@ -6,6 +6,7 @@
 //! form, a [`StepTable`] what a ray marcher looks up and a [`PreIntegration`] what it looks up
 //! for whole segments. Values that are not finite are absent: they have no opacity.
 
+mod bend;
 mod color;
 mod colormap;
 mod control_point;
@@ -13,6 +14,7 @@ mod error;
 mod light;
 mod lighting;
 mod material;
+mod maxima;
 mod nodes;
 mod opacity;
 mod opacity_shapes;
@@ -26,6 +28,7 @@ mod table;
 mod transfer_function;
 mod visibility;
 
+pub use bend::Bend;
 pub use color::{Color, ColorSpace, luminance, srgb_decode, srgb_encode, srgb8};
 pub use colormap::ColorMap;
 pub use control_point::{ColorPoint, Interpolation, OpacityPoint};

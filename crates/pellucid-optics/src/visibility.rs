@@ -1,15 +1,15 @@
 //! Whether, and how much, an interval of data values is visible: what skipping empty space asks
 //! of a block's minimum and maximum (7.3-6).
 
+use crate::maxima::Maxima;
 use crate::{Nodes, Table, TransferFunction};
 
-/// Largest opacity over any interval of data values, in constant time: a sparse table of maxima
-/// over runs of 1, 2, 4, ... nodes, two of which cover any run.
+/// Largest opacity over any interval of data values, in constant time.
 #[derive(Clone, Debug)]
 pub struct Visibility {
     nodes: Nodes,
-    /// `maxima[level][node]` is the maximum of the 2^level nodes from `node`.
-    maxima: Vec<Vec<f32>>,
+    /// Of the opacities of all nodes.
+    maxima: Maxima,
 }
 
 impl Visibility {
@@ -37,14 +37,7 @@ impl Visibility {
     }
 
     fn new(nodes: Nodes, opacities: Vec<f32>) -> Self {
-        let mut maxima = vec![opacities];
-        let mut run = 1;
-        while 2 * run <= nodes.count() {
-            let shorter = &maxima[maxima.len() - 1];
-            maxima.push(shorter.iter().zip(&shorter[run..]).map(|(a, b)| a.max(*b)).collect());
-            run *= 2;
-        }
-        Self { nodes, maxima }
+        Self { nodes, maxima: Maxima::new(opacities) }
     }
 
     /// An upper bound of the opacity per unit distance over the values from `low` to `high`; it
@@ -55,9 +48,7 @@ impl Visibility {
         }
         let first = self.nodes.clamped_position(low).floor() as usize;
         let last = self.nodes.clamped_position(high).ceil() as usize;
-        let level = (last - first + 1).ilog2() as usize;
-        let maxima = &self.maxima[level];
-        maxima[first].max(maxima[last + 1 - (1 << level)])
+        self.maxima.over(first, last)
     }
 
     /// Whether values from `low` to `high` can have any opacity. False is a proof: no look-up of

@@ -22,6 +22,10 @@ pub trait Field<S: Lanes>: Sync {
     /// specified.
     fn values(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> F32<S>;
 
+    /// Asks for the voxels around index positions that will be looked at soon.
+    #[inline(always)]
+    fn prefetch(&self, _: S, _: Vec3<S>) {}
+
     /// Gradients in data units per world unit, one-sided beside whatever is absent or clipped,
     /// where `centers` are the values at these positions. What the lanes without a `true` give is
     /// not specified.

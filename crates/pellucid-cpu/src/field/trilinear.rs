@@ -126,6 +126,24 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
         self.mapped(s, stored)
     }
 
+    /// Rays of a packet are close to each other: its corners stand for all. Pays from the size of
+    /// last-level caches on: 17 % for 512^3 u16, 9 % for 256^3 f32; below it would cost 2 %.
+    #[inline(always)]
+    fn prefetch(&self, s: S, index: Vec3<S>) {
+        const LARGE: usize = 32 << 20;
+        if size_of_val(self.data) < LARGE {
+            return;
+        }
+        let Cell { offset, .. } = self.locate(s, &index);
+        let lanes = width::<S>();
+        let columns = 1 << lanes.ilog2().div_ceil(2);
+        for lane in [0, columns - 1, lanes - columns, lanes - 1] {
+            for d in [0, self.stride[1]] {
+                s.prefetch(self.data.as_ptr().wrapping_offset((offset[lane] + d) as isize));
+            }
+        }
+    }
+
     /// The 32 voxels that the six taps stand on, each read once: the taps share their fractions
     /// with the position.
     #[inline(always)]

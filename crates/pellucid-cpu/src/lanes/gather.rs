@@ -11,6 +11,18 @@ use super::{F32, rgba, width};
 
 /// An instruction set with what volumes need: vectors, and memory at an address per lane.
 pub trait Lanes: Simd {
+    /// Asks for the memory at an address, which need not be readable.
+    #[inline(always)]
+    fn prefetch<T>(self, address: *const T) {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: a hint that reads nothing; every processor of the architecture has it.
+        unsafe {
+            std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(address.cast());
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = address;
+    }
+
     /// The 32 bits that start at `base + SCALE * offset`, for every lane.
     ///
     /// # Safety
@@ -43,7 +55,7 @@ pub trait Lanes: Simd {
     /// Reading rows whole and turning them costs a third of four gathers.
     ///
     /// # Safety
-    /// Every row is readable.
+    /// Every row is readable; none is below 0 or above 2^27.
     #[inline(always)]
     unsafe fn gather_rows(self, base: *const [f32; 4], rows: Self::i32s) -> [Self::f32s; 4] {
         let mut found = [F32::<Self>::splat(self, 0.0); 4];
@@ -92,7 +104,9 @@ mod x86 {
         unsafe fn gather_rows(self, base: *const [f32; 4], rows: Self::i32s) -> [Self::f32s; 4] {
             // SAFETY: the caller vouches for the rows; the token for the instructions.
             unsafe {
-                let row = |lane: usize| _mm_loadu_ps(base.offset(rows[lane] as isize).cast());
+                // Unsigned bytes: nothing is left to do to a lane's offset but to add it.
+                let bytes: Self::u32s = (rows << 4).bitcast();
+                let row = |lane: usize| _mm_loadu_ps(base.byte_add(bytes[lane] as usize).cast());
                 let (mut a, mut b, mut c, mut d) = (row(0), row(1), row(2), row(3));
                 _MM_TRANSPOSE4_PS(&mut a, &mut b, &mut c, &mut d);
                 [a.simd_into(self), b.simd_into(self), c.simd_into(self), d.simd_into(self)]
@@ -128,7 +142,9 @@ mod x86 {
         unsafe fn gather_rows(self, base: *const [f32; 4], rows: Self::i32s) -> [Self::f32s; 4] {
             // SAFETY: the caller vouches for the rows; the token for the instructions.
             unsafe {
-                let row = |lane: usize| _mm_loadu_ps(base.offset(rows[lane] as isize).cast());
+                // Unsigned bytes: nothing is left to do to a lane's offset but to add it.
+                let bytes: Self::u32s = (rows << 4).bitcast();
+                let row = |lane: usize| _mm_loadu_ps(base.byte_add(bytes[lane] as usize).cast());
                 // Lane i of a quarter beside lane i + 4.
                 let pair = |lane: usize| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(row(lane)), row(lane + 4));
                 let (a, b, c, d) = (pair(0), pair(1), pair(2), pair(3));
@@ -174,7 +190,9 @@ mod x86 {
         unsafe fn gather_rows(self, base: *const [f32; 4], rows: Self::i32s) -> [Self::f32s; 4] {
             // SAFETY: the caller vouches for the rows; the token for the instructions.
             unsafe {
-                let row = |lane: usize| _mm_loadu_ps(base.offset(rows[lane] as isize).cast());
+                // Unsigned bytes: nothing is left to do to a lane's offset but to add it.
+                let bytes: Self::u32s = (rows << 4).bitcast();
+                let row = |lane: usize| _mm_loadu_ps(base.byte_add(bytes[lane] as usize).cast());
                 // Lane i of a quarter beside lanes i + 4, i + 8 and i + 12.
                 let four = |lane: usize| {
                     let v = _mm512_castps128_ps512(row(lane));

@@ -55,6 +55,10 @@ pub struct QualityFlags {
     /// A ray stops at this opacity, above 0 to 1; 1 never stops early [default: 0.999]
     #[arg(long, value_name = "OPACITY", value_parser = values::number32, allow_hyphen_values = true)]
     early_termination: Option<f32>,
+    /// Take longer steps where they change colour or opacity by no more than this, 0 to 1; 0 takes
+    /// every sample [default: 0]
+    #[arg(long, value_name = "TOLERANCE")]
+    adaptive: Option<f32>,
     /// Do not leap over empty blocks; the picture is the same, only slower
     #[arg(long)]
     no_skip: bool,
@@ -72,6 +76,7 @@ impl QualityFlags {
         quality.classification = self.classification.unwrap_or(quality.classification);
         quality.jitter = self.jitter.unwrap_or(quality.jitter);
         quality.early_termination = self.early_termination.unwrap_or(quality.early_termination);
+        quality.adaptive_tolerance = self.adaptive.unwrap_or(quality.adaptive_tolerance);
         quality.empty_space_skipping &= !self.no_skip;
         quality.supersampling = self.supersampling.unwrap_or(quality.supersampling);
     }
