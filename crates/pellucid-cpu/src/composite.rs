@@ -37,13 +37,23 @@ impl<S: Lanes, F: Field<S>> Medium<'_, S, F> {
     fn start(&self, packet: &Packet) -> Accumulator<S> {
         let (s, zero) = (self.s, splat(self.s, 0.0));
         let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
-        let aim = self.surface.as_ref().map(#[inline(always)] |surface| surface.aim(s, to_eye));
+        let aim = self.surface.as_ref().map(
+            #[inline(always)]
+            |surface| surface.aim(s, to_eye),
+        );
         Accumulator { color: [zero; 4], half: splat(s, f32::INFINITY), aim }
     }
 
     /// Shades associated samples.
     #[inline(always)]
-    fn lit(&self, aim: &Option<Aim<S>>, index: Vec3<S>, value: F32<S>, rgba: [F32<S>; 4], lanes: Mask<S>) -> [F32<S>; 4] {
+    fn lit(
+        &self,
+        aim: &Option<Aim<S>>,
+        index: Vec3<S>,
+        value: F32<S>,
+        rgba: [F32<S>; 4],
+        lanes: Mask<S>,
+    ) -> [F32<S>; 4] {
         let (Some(surface), Some(aim)) = (&self.surface, aim) else { return rgba };
         let gradient = self.field.gradients(self.s, index, value, lanes);
         surface.shade(self.s, rgba, index, gradient, aim, lanes)
@@ -113,9 +123,8 @@ impl<S: Lanes, F: Field<S>, C: Classify> Integrator for Composite<'_, S, F, C> {
                             #[inline(always)]
                             |index| medium.field.prefetch(s, index),
                             #[inline(always)]
-                            |sample| medium.field.values(s, sample.index, sample.lanes),
-                            #[inline(always)]
-                            |sample, value, counter| {
+                            |sample, counter| {
+                                let value = medium.field.values(s, sample.index, sample.lanes);
                                 let classified = self.classifier.classify(s, value, sample);
                                 let Some(Classified { mut rgba, visible }) = classified else { return all(s, false) };
                                 counter.see(visible);

@@ -77,7 +77,10 @@ impl<S: Lanes, F: Field<S>> Integrator for Isosurfaces<'_, S, F> {
                     let mut counter = Counter::new(s);
                     let (zero, none) = (splat(s, 0.0), all(s, false));
                     let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
-                    let aim = self.surface.as_ref().map(#[inline(always)] |surface| surface.aim(s, to_eye));
+                    let aim = self.surface.as_ref().map(
+                        #[inline(always)]
+                        |surface| surface.aim(s, to_eye),
+                    );
                     let met = Met { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], to_eye, aim };
                     let crossed = Crossed { distance: [zero; 2], value: [zero; 2], lanes: none };
                     let mut search = Search { mode: self, rays: &rays, crossed, met };

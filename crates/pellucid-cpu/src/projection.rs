@@ -47,6 +47,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Extreme<'_, S, F> {
                             counter.skip(to.min(rays.count) - k);
                             k = to;
                         }
+                        self.field.prefetch(s, rays.at(k + RUN as f32));
                         for _ in 0..RUN {
                             let Sample { distance, index, lanes, .. } = sample(s, &rays, k, rays.has(k));
                             if !lanes.any_true() {
@@ -96,12 +97,21 @@ impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
                     let mut counter = Counter::new(s);
                     let (mut sum, mut length) = (splat(s, 0.0), splat(s, 0.0));
                     let mut march = March::new(s, &rays);
- while march.run(s, &rays, None, &mut counter, |_| (), #[inline(always)] |sample| self.field.values(s, sample.index, sample.lanes), #[inline(always)] |sample, value, _| {
+                    while march.run(
+                        s,
+                        &rays,
+                        None,
+                        &mut counter,
+                        |_| (),
+                        #[inline(always)]
+                        |sample, _| {
+                            let value = self.field.values(s, sample.index, sample.lanes);
                             let present = sample.lanes & value.is_finite();
                             sum = present.select(value.mul_add(sample.ratio, sum), sum);
                             length = present.select(length + sample.ratio, length);
                             all(s, false)
-                        }) {}
+                        },
+                    ) {}
                     // An empty ray divides zero by zero: NaN, which is absent.
                     let nowhere = splat(s, f32::INFINITY);
                     classified(s, &self.table, sum / length, nowhere, self.opaque, traced, &mut counter);
@@ -164,7 +174,15 @@ impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
                     let mut counter = Counter::new(s);
                     let mut sum = [splat(s, 0.0); 3];
                     let mut march = March::new(s, &rays);
- while march.run(s, &rays, self.skip.as_ref(), &mut counter, |_| (), #[inline(always)] |sample| self.field.values(s, sample.index, sample.lanes), #[inline(always)] |sample, value, counter| {
+                    while march.run(
+                        s,
+                        &rays,
+                        self.skip.as_ref(),
+                        &mut counter,
+                        |_| (),
+                        #[inline(always)]
+                        |sample, counter| {
+                            let value = self.field.values(s, sample.index, sample.lanes);
                             let [r, g, b, a] = self.table.lookup(s, value);
                             let visible = sample.lanes & a.simd_gt(splat(s, 0.0));
                             counter.see(visible);
@@ -174,7 +192,8 @@ impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
                                 *sum = channel.mul_add(depth, *sum);
                             }
                             all(s, false)
-                        }) {}
+                        },
+                    ) {}
                     let [r, g, b] = sum;
                     traced.set_color::<S>([r, g, b, splat(s, 0.0)]);
                     counter.finish(traced, tally);
@@ -211,7 +230,15 @@ impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
                     let mut counter = Counter::new(s);
                     let mut through = splat(s, 1.0);
                     let mut march = March::new(s, &rays);
- while march.run(s, &rays, self.skip.as_ref(), &mut counter, |_| (), #[inline(always)] |sample| self.field.values(s, sample.index, sample.lanes), #[inline(always)] |sample, value, counter| {
+                    while march.run(
+                        s,
+                        &rays,
+                        self.skip.as_ref(),
+                        &mut counter,
+                        |_| (),
+                        #[inline(always)]
+                        |sample, counter| {
+                            let value = self.field.values(s, sample.index, sample.lanes);
                             let mut alpha = self.table.lookup(s, value)[3];
                             let visible = sample.lanes & alpha.simd_gt(splat(s, 0.0));
                             counter.see(visible);
@@ -221,7 +248,8 @@ impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
                             }
                             through = visible.select(through - through * alpha, through);
                             all(s, false)
-                        }) {}
+                        },
+                    ) {}
                     traced.set_color::<S>([splat(s, 1.0) - through; 4]);
                     counter.finish(traced, tally);
                 }

@@ -67,7 +67,11 @@ impl Emitter {
         let eye = grid.index_from_world().transform_point3(view.eye);
         let nothing = DVec3::ZERO;
         // Rays of a perspective leave one point, others one direction.
-        let (to, from) = if view.perspective { ([view.right, view.up], [nothing; 2]) } else { ([nothing; 2], [view.right, view.up]) };
+        let (to, from) = if view.perspective {
+            ([view.right, view.up], [nothing; 2])
+        } else {
+            ([nothing; 2], [view.right, view.up])
+        };
         let plane = |&(normal, offset): &(DVec3, f64)| Plane {
             slope: [normal.dot(view.forward), normal.dot(to[0]), normal.dot(to[1])],
             above: [normal.dot(view.eye) - offset, normal.dot(from[0]), normal.dot(from[1])],

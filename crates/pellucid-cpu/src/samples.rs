@@ -39,55 +39,46 @@ impl<S: Lanes> March<S> {
         Self { k, open: rays.has(k) }
     }
 
-    /// Visits the next [`RUN`] samples that can contribute, nearest first: `fetch` reads what is
-    /// there, `see` makes something of it and returns the lanes whose ray is done. Returns whether
-    /// any ray goes on.
-    ///
-    /// Two samples are fetched before the first is seen, so that waiting for memory overlaps.
+    /// Visits the next [`RUN`] samples that can contribute, nearest first; `see` returns the lanes
+    /// whose ray is done. `prefetch` hears of positions that come next. Returns whether any ray goes
+    /// on.
     #[inline(always)]
-    pub fn run<T>(
+    pub fn run(
         &mut self,
         s: S,
         rays: &Rays<S>,
         skip: Option<&SkipGrid>,
         counter: &mut Counter<S>,
         prefetch: impl Fn(Vec3<S>),
-        fetch: impl Fn(&Sample<S>) -> T,
-        mut see: impl FnMut(&Sample<S>, T, &mut Counter<S>) -> Mask<S>,
+        mut see: impl FnMut(&Sample<S>, &mut Counter<S>) -> Mask<S>,
     ) -> bool {
         let Self { mut k, mut open } = *self;
+        let mut strides = None;
         if let Some(skip) = skip {
             let to = skip.leap(s, rays, k, open, Leap::Samples);
             counter.skip(to.min(rays.count) - k);
             k = to;
+            if let Some(levels) = skip.levels() {
+                strides = Some(Strides::at(s, rays, levels, k));
+            }
         }
-        // Not `Option::map`: see `xyz`.
-        let strides = match skip.and_then(SkipGrid::levels) {
-            Some(levels) => Some(Strides::at(s, rays, levels, k)),
-            None => None,
-        };
-        for _ in 0..RUN / 2 {
+        for number in 0..RUN {
             open &= rays.has(k);
             if !open.any_true() {
                 return false;
             }
-            prefetch(rays.at(k + RUN as f32));
-            let pair = match &strides {
-                None => [sample(s, rays, k, open), sample(s, rays, k + 1.0, open)],
-                Some(strides) => [strides.sample(s, rays, k, open), strides.sample(s, rays, k + strides.length, open)],
-            };
-            let fetched = [fetch(&pair[0]), fetch(&pair[1])];
-            for (mut sample, fetched) in pair.into_iter().zip(fetched) {
-                sample.lanes &= open;
-                counter.sample(sample.lanes);
-                let done = see(&sample, fetched, counter) & sample.lanes;
-                counter.terminate(done);
-                open &= !done;
+            if number % 2 == 0 {
+                prefetch(rays.at(k + RUN as f32));
             }
-            k += match &strides {
-                None => splat(s, 2.0),
-                Some(strides) => strides.length * 2.0,
+            let (sample, stride) = match &strides {
+                None => (sample(s, rays, k, open), splat(s, 1.0)),
+                Some(strides) => (strides.sample(s, rays, k, open), strides.length),
             };
+            counter.sample(open);
+            let done = see(&sample, counter) & open;
+            counter.terminate(done);
+            open &= !done;
+            k += stride;
         }
         *self = Self { k, open };
         open.any_true()

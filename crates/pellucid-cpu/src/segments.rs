@@ -4,8 +4,11 @@ use crate::field::Field;
 use crate::integrator::Counter;
 use crate::lanes::*;
 use crate::packet::Rays;
-use crate::samples::RUN;
 use crate::skip::{Leap, SkipGrid};
+
+/// How many segments are visited between two looks at the blocks: fewer than samples, because what
+/// is looked for is often a surface.
+const RUN: usize = 4;
 
 /// A piece of a ray between two nodes, in every lane.
 pub struct Segment<S: Lanes> {

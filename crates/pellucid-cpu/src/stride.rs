@@ -15,7 +15,13 @@ pub const LEVELS: usize = 3;
 /// from the samples it stands for; blocks without opacity have the largest. Rays look at blocks once
 /// in [`RUN`] samples, so a block allows a stride only if no block within its reach has a smaller
 /// level. `step` is the longest step along any axis, in voxels.
-pub fn levels(blocks: &Blocks, table: &StepTable, live: impl Fn(f32, f32) -> bool, tolerance: f32, step: f64) -> Vec<u8> {
+pub fn levels(
+    blocks: &Blocks,
+    table: &StepTable,
+    live: impl Fn(f32, f32) -> bool,
+    tolerance: f32,
+    step: f64,
+) -> Vec<u8> {
     let bend = Bend::of_steps(table);
     let own = |&[low, high]: &[f32; 2]| {
         if !live(low, high) {

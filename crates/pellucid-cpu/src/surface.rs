@@ -85,7 +85,8 @@ impl<'a> Surface<'a> {
         ambient: f32,
         world_from_index: DAffine3,
     ) -> Self {
-        let (everywhere, somewhere): (Vec<&ResolvedLight>, Vec<&ResolvedLight>) = lights.iter().partition(|light| light.is_directional());
+        let (everywhere, somewhere): (Vec<&ResolvedLight>, Vec<&ResolvedLight>) =
+            lights.iter().partition(|light| light.is_directional());
         let (prepared, more) = everywhere.split_at(everywhere.len().min(MOST_DIRECTIONAL));
         Self {
             material,

@@ -33,9 +33,8 @@ impl Bend {
         };
         let of_width = |j: u32| {
             let bins = (0..=last).step_by(group);
-            let largest = |bin: usize| {
-                (bin..(bin + group).min(last + 1)).map(|node| bend(node, group << j)).fold(0.0, f32::max)
-            };
+            let largest =
+                |bin: usize| (bin..(bin + group).min(last + 1)).map(|node| bend(node, group << j)).fold(0.0, f32::max);
             Maxima::new(bins.map(largest).collect())
         };
         let widths = (0..=entries.len().div_ceil(group).ilog2()).map(of_width).collect();

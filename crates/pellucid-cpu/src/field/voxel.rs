@@ -118,7 +118,13 @@ impl Texel for i8 {
 /// # Safety
 /// As [`Texel::quad`].
 #[inline(always)]
-unsafe fn sixteen_bit_quad<S: Lanes, T>(s: S, data: &[T], offset: I32<S>, d: i32, at_end: bool) -> [<S as Simd>::u32s; 2] {
+unsafe fn sixteen_bit_quad<S: Lanes, T>(
+    s: S,
+    data: &[T],
+    offset: I32<S>,
+    d: i32,
+    at_end: bool,
+) -> [<S as Simd>::u32s; 2] {
     if !at_end {
         // SAFETY: the caller vouches for four voxels.
         return unsafe { s.gather_pairs::<2>(data.as_ptr().offset(d as isize - 1).cast(), offset) };
