@@ -19,7 +19,7 @@ pub struct Medium<'a, S, F> {
     /// Light, if surfaces are shaded.
     pub surface: Option<Surface<'a>>,
     /// Blocks that can contribute, if empty space is skipped.
-    pub skip: Option<SkipGrid>,
+    pub skip: Option<&'a SkipGrid>,
     /// Opacity at which a ray stops.
     pub early_termination: f32,
 }
@@ -118,7 +118,7 @@ impl<S: Lanes, F: Field<S>, C: Classify> Integrator for Composite<'_, S, F, C> {
                         packet.open = packet.march.run(
                             s,
                             &packet.rays,
-                            medium.skip.as_ref(),
+                            medium.skip,
                             &mut packet.counter,
                             #[inline(always)]
                             |index| medium.field.prefetch(s, index),
@@ -177,7 +177,7 @@ impl<S: Lanes, F: Field<S>> Integrator for PreIntegrated<'_, S, F> {
                 for (packet, traced) in wave.iter().zip(traced) {
                     let rays = Rays::new(s, packet);
                     let (mut ray, mut counter) = (medium.start(packet), Counter::new(s));
-                    let (skip, field) = (medium.skip.as_ref(), &medium.field);
+                    let (skip, field) = (medium.skip, &medium.field);
                     let mut compositing = Compositing { mode: self, rays: &rays, ray: &mut ray };
                     each_segment(s, field, &rays, skip, &mut counter, &mut compositing);
                     medium.finish(&ray, &rays, traced);

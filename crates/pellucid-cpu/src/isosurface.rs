@@ -41,7 +41,7 @@ pub struct Isosurfaces<'a, S, F> {
     /// The surfaces, in ascending order.
     pub levels: Vec<Level>,
     /// Blocks that hold a surface, if the others are skipped.
-    pub skip: Option<SkipGrid>,
+    pub skip: Option<&'a SkipGrid>,
     /// Opacity at which a ray stops.
     pub early_termination: f32,
 }
@@ -84,7 +84,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Isosurfaces<'_, S, F> {
                     let met = Met { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], to_eye, aim };
                     let crossed = Crossed { distance: [zero; 2], value: [zero; 2], lanes: none };
                     let mut search = Search { mode: self, rays: &rays, crossed, met };
-                    each_segment(s, &self.field, &rays, self.skip.as_ref(), &mut counter, &mut search);
+                    each_segment(s, &self.field, &rays, self.skip, &mut counter, &mut search);
                     let met = search.met;
                     traced.set_color::<S>(met.color);
                     traced.set_surface(s, met.depth.is_finite(), met.depth, met.normal);

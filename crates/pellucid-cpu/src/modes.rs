@@ -12,9 +12,7 @@ use crate::isosurface::{Isosurfaces, Level};
 use crate::lanes::{InstructionSet, Lanes, dispatch};
 use crate::prepare::{Prepared, mode, plane};
 use crate::projection::{Additive, Average, Extreme, XRay};
-use crate::skip::{ExtremeGrid, SkipGrid};
 use crate::slice::Plane;
-use crate::stride;
 use crate::surface::Surface;
 
 impl Prepared<'_> {
@@ -23,7 +21,7 @@ impl Prepared<'_> {
     /// # Errors
     /// [`RenderError::Field`] if the filter's parameters are out of range.
     pub fn integrator(&self, set: InstructionSet) -> Result<Box<dyn Integrator + '_>, RenderError> {
-        let sampler = Sampler::new(&self.field, self.component, self.filter)?;
+        let sampler = Sampler::new(&self.tables.field, self.tables.component, self.tables.filter)?;
         Ok(dispatch!(set, s => self.integrator_in(s, sampler)))
     }
 
@@ -40,7 +38,7 @@ impl Prepared<'_> {
             return self.rare(s, self.any(sampler));
         }
         if sampler.filter() == Filter::Linear {
-            let typed = match self.field.voxels() {
+            let typed = match self.tables.field.voxels() {
                 Voxels::U8(data) => self.trilinear(data).map(|field| self.common(s, field)),
                 Voxels::U16(data) => self.trilinear(data).map(|field| self.common(s, field)),
                 Voxels::I16(data) => self.trilinear(data).map(|field| self.common(s, field)),
@@ -59,7 +57,7 @@ impl Prepared<'_> {
     }
 
     fn trilinear<'a, T: Texel>(&'a self, data: &'a [T]) -> Option<Trilinear<'a, T>> {
-        let view = ComponentView::new(&self.field, data, self.component);
+        let view = ComponentView::new(&self.tables.field, data, self.tables.component);
         let bounds = Bounds::new(self.grid(), &self.region);
         Trilinear::new(view, bounds, self.stage.quality.gradient, self.probe(Linear(view)))
     }
@@ -67,7 +65,7 @@ impl Prepared<'_> {
     /// The field of any filter and voxel type.
     fn any<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
         if sampler.filter() == Filter::Linear {
-            let boxed: Option<Box<dyn Field<S> + 'a>> = match self.field.voxels() {
+            let boxed: Option<Box<dyn Field<S> + 'a>> = match self.tables.field.voxels() {
                 Voxels::U8(data) => self.boxed(data),
                 Voxels::I8(data) => self.boxed(data),
                 Voxels::U16(data) => self.boxed(data),
@@ -96,20 +94,24 @@ impl Prepared<'_> {
             Mode::Isosurface(isosurface) => {
                 let tf = &self.volume.transfer_function;
                 let levels: Vec<Level> = isosurface.isovalues.iter().map(|iso| Level::new(iso, tf)).collect();
-                let skip = self.skip(|low, high| levels.iter().any(|level| low <= level.value && level.value <= high));
-                Box::new(Isosurfaces { s, field, surface: self.surface(), levels, skip, early_termination })
+                Box::new(Isosurfaces {
+                    s,
+                    field,
+                    surface: self.surface(),
+                    levels,
+                    skip: self.tables.skip.as_ref(),
+                    early_termination,
+                })
             }
             _ => {
                 let medium = self.medium(s, field);
-                match &self.preintegration {
+                match &self.tables.preintegration {
                     Some(table) => Box::new(PreIntegrated { medium, table: Segments(table) }),
                     None => {
-                        let lookup = match &self.stride_entries {
-                            Some(entries) => Lookup::of_strides(entries, self.step_table.nodes()),
-                            None => Lookup::of_steps(&self.step_table),
+                        let lookup = match &self.tables.stride_entries {
+                            Some(entries) => Lookup::of_strides(entries, self.tables.step_table.nodes()),
+                            None => Lookup::of_steps(&self.tables.step_table),
                         };
-                        let mut medium = medium;
-                        medium.skip = medium.skip.map(|skip| self.with_strides(skip));
                         Box::new(Composite { medium, classifier: Post(lookup) })
                     }
                 }
@@ -119,29 +121,31 @@ impl Prepared<'_> {
 
     fn rare<'a, S: Lanes>(&'a self, s: S, field: Any<'a, S>) -> Box<dyn Integrator + 'a> {
         match mode(self.stage) {
-            Mode::Average => Box::new(Average { s, field, table: Lookup::of_table(&self.table), opaque: false }),
+            Mode::Average => Box::new(Average { s, field, table: Lookup::of_table(&self.tables.table), opaque: false }),
             Mode::Additive => {
-                let skip = self.skip_invisible();
+                let skip = self.tables.skip.as_ref();
                 let step_ratio = (self.stage.step / self.volume.unit_distance()) as f32;
-                Box::new(Additive { s, field, table: Lookup::of_table(&self.table), step_ratio, skip })
+                Box::new(Additive { s, field, table: Lookup::of_table(&self.tables.table), step_ratio, skip })
             }
             Mode::XRay => {
-                let skip = self.skip_invisible();
-                Box::new(XRay { s, field, table: Lookup::of_steps(&self.step_table), skip })
+                let skip = self.tables.skip.as_ref();
+                Box::new(XRay { s, field, table: Lookup::of_steps(&self.tables.step_table), skip })
             }
             Mode::Slice(slice) if slice.thickness == 0.0 => {
                 let (point, normal) = plane(self.stage, self.volume, slice);
-                Box::new(Plane::new(s, field, Lookup::of_table(&self.table), self.grid(), point, normal))
+                Box::new(Plane::new(s, field, Lookup::of_table(&self.tables.table), self.grid(), point, normal))
             }
             Mode::Slice(slice) => match slice.combine {
                 Combine::Maximum => self.extreme(s, field, false, true),
                 Combine::Minimum => self.extreme(s, field, true, true),
-                Combine::Average => Box::new(Average { s, field, table: Lookup::of_table(&self.table), opaque: true }),
+                Combine::Average => {
+                    Box::new(Average { s, field, table: Lookup::of_table(&self.tables.table), opaque: true })
+                }
             },
             Mode::Composite | Mode::Maximum | Mode::Minimum | Mode::Isosurface(_) => {
                 let (volume, component) = (&*self.volume.volume, self.volume.component);
                 let filter = self.stage.quality.filter;
-                let classifier = Pre { table: &self.step_table, volume, component, filter };
+                let classifier = Pre { table: &self.tables.step_table, volume, component, filter };
                 Box::new(Composite { medium: self.medium(s, field), classifier })
             }
         }
@@ -149,7 +153,7 @@ impl Prepared<'_> {
 
     fn medium<'a, S: Lanes, F: Field<S>>(&'a self, s: S, field: F) -> Medium<'a, S, F> {
         let early_termination = self.stage.quality.early_termination;
-        Medium { s, field, surface: self.surface(), skip: self.skip_invisible(), early_termination }
+        Medium { s, field, surface: self.surface(), skip: self.tables.skip.as_ref(), early_termination }
     }
 
     fn extreme<'a, S: Lanes, F: Field<S> + 'a>(
@@ -159,8 +163,8 @@ impl Prepared<'_> {
         minimum: bool,
         opaque: bool,
     ) -> Box<dyn Integrator + 'a> {
-        let skip = self.blocks.as_deref().map(|blocks| ExtremeGrid::new(blocks, minimum));
-        Box::new(Extreme { s, field, table: Lookup::of_table(&self.table), skip, minimum, opaque })
+        let skip = self.tables.extremes.as_ref();
+        Box::new(Extreme { s, field, table: Lookup::of_table(&self.tables.table), skip, minimum, opaque })
     }
 
     fn surface(&self) -> Option<Surface<'_>> {
@@ -168,22 +172,5 @@ impl Prepared<'_> {
         let (weight, stage) = (self.volume.gradient_weight, self.stage);
         let world_from_index = self.grid().world_from_index();
         Some(Surface::new(material, weight, &stage.lights, stage.ambient, world_from_index))
-    }
-
-    fn skip_invisible(&self) -> Option<SkipGrid> {
-        self.skip(|low, high| self.visibility.any_opacity(low, high))
-    }
-
-    /// Strides as long as the data allow, if steps adapt to them.
-    fn with_strides(&self, skip: SkipGrid) -> SkipGrid {
-        let (Some(blocks), Some(_)) = (&self.blocks, &self.stride_entries) else { return skip };
-        let tolerance = self.stage.quality.adaptive_tolerance;
-        let live = |low, high| self.visibility.any_opacity(low, high);
-        let shortest = self.grid().spacing().into_iter().fold(f64::INFINITY, f64::min);
-        skip.with_levels(stride::levels(blocks, &self.step_table, live, tolerance, self.stage.step / shortest))
-    }
-
-    fn skip(&self, live: impl Fn(f32, f32) -> bool) -> Option<SkipGrid> {
-        self.blocks.as_deref().map(|blocks| SkipGrid::new(blocks, live))
     }
 }

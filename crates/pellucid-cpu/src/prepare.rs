@@ -4,17 +4,31 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use pellucid_field::{Blocks, FieldError, Filter, Grid, Volume, spline_coefficients};
-use pellucid_optics::{DataRange, PreIntegration, StepTable, Table, Visibility};
-use pellucid_scene::{Classification, Mode, RayCast, Region, Slice, Stage, StageVolume, Technique};
+use pellucid_optics::{DataRange, PreIntegration, StepTable, Table, TransferFunction, Visibility};
+use pellucid_scene::{Classification, Combine, Mode, Quality, RayCast, Region, Slice, Stage, StageVolume, Technique};
 
 use crate::RenderError;
+use crate::skip::{ExtremeGrid, SkipGrid};
 use crate::stride;
 
-/// What depends on the data alone and is kept from frame to frame.
+/// What is kept from frame to frame: what depends on the data alone, and the tables of the last
+/// settings.
 #[derive(Default)]
 pub struct Cache {
     blocks: Option<(Arc<Volume>, usize, usize, Arc<Blocks>)>,
     coefficients: Option<(Arc<Volume>, usize, Arc<Volume>)>,
+    tables: Option<(Settings, Arc<Tables>)>,
+}
+
+/// Everything that tables depend on.
+#[derive(PartialEq)]
+struct Settings {
+    transfer_function: TransferFunction,
+    component: usize,
+    step: f64,
+    unit_distance: f64,
+    quality: Quality,
+    mode: Mode,
 }
 
 impl Cache {
@@ -39,48 +53,55 @@ impl Cache {
             }
         }
     }
+
+    fn tables(&mut self, stage: &Stage, volume: &StageVolume) -> Result<Arc<Tables>, RenderError> {
+        let settings = Settings {
+            transfer_function: volume.transfer_function.clone(),
+            component: volume.component,
+            step: stage.step,
+            unit_distance: volume.unit_distance(),
+            quality: stage.quality.clone(),
+            mode: mode(stage).clone(),
+        };
+        match &self.tables {
+            Some((of, tables)) if Arc::ptr_eq(&tables.volume, &volume.volume) && *of == settings => Ok(tables.clone()),
+            _ => {
+                let tables = Arc::new(Tables::new(stage, volume, self)?);
+                self.tables = Some((settings, tables.clone()));
+                Ok(tables)
+            }
+        }
+    }
 }
 
-/// A volume and its optics, made ready for one stage.
-pub struct Prepared<'s> {
+/// What depends on a volume, its transfer function and the quality, but not on camera and light.
+pub struct Tables {
     /// What is drawn.
-    pub stage: &'s Stage,
-    /// Its volume, with optics.
-    pub volume: &'s StageVolume,
+    volume: Arc<Volume>,
     /// What the reconstruction reads: the volume, or its filter coefficients.
     pub field: Arc<Volume>,
     /// The component of `field` that is read.
     pub component: usize,
     /// How `field` is read.
     pub filter: Filter,
-    /// Where the field is neither clipped nor outside a slab.
-    pub region: Region,
-    /// Blocks, where they bound what is sampled.
-    pub blocks: Option<Arc<Blocks>>,
     /// Colour and opacity per unit distance.
     pub table: Table,
     /// Associated colour and opacity of one step.
     pub step_table: StepTable,
     /// The entries of all strides, if steps adapt to the data.
     pub stride_entries: Option<Vec<[f32; 4]>>,
-    /// Which values are visible.
-    pub visibility: Visibility,
     /// Ray integrals of one step, if classification is pre-integrated.
     pub preintegration: Option<PreIntegration>,
+    /// Blocks that can contribute, for modes that know.
+    pub skip: Option<SkipGrid>,
+    /// Extremes of blocks, for modes that project one.
+    pub extremes: Option<ExtremeGrid>,
 }
 
-impl<'s> Prepared<'s> {
-    /// Makes tables and blocks.
-    ///
-    /// # Errors
-    /// [`RenderError::Optics`] if the data's range cannot be tabulated, [`RenderError::Steps`] if rays
-    /// are too many steps long.
-    pub fn new(stage: &'s Stage, volume: &'s StageVolume, cache: &mut Cache) -> Result<Self, RenderError> {
-        let steps = longest(&volume.volume) / stage.step;
-        if !(steps < f64::from(MOST_STEPS)) {
-            return Err(RenderError::Steps { found: steps, limit: MOST_STEPS });
-        }
-        let (field, component, filter) = match stage.quality.filter {
+impl Tables {
+    fn new(stage: &Stage, volume: &StageVolume, cache: &mut Cache) -> Result<Self, RenderError> {
+        let quality = &stage.quality;
+        let (field, component, filter) = match quality.filter {
             Filter::BSpline { prefilter: true } => {
                 let coefficients = cache.coefficients(&volume.volume, volume.component)?;
                 (coefficients, 0, Filter::BSpline { prefilter: false })
@@ -91,42 +112,87 @@ impl<'s> Prepared<'s> {
         let range = DataRange::of(&volume.volume);
         let ratio = stage.step / volume.unit_distance();
         let table = Table::for_data(tf, &range)?;
+        let step_table = StepTable::new(&table, ratio as f32)?;
         let composited = matches!(mode(stage), Mode::Composite);
-        let preintegration = (composited && stage.quality.classification == Classification::PreIntegrated)
+        let preintegration = (composited && quality.classification == Classification::PreIntegrated)
             .then(|| PreIntegration::for_data(tf, &range, ratio))
             .transpose()?;
         let visibility = match &preintegration {
             Some(segments) => Visibility::of_segments(tf, segments.nodes()),
             None => Visibility::of_table(&table),
         };
+        let visible = |low, high| visibility.any_opacity(low, high);
         // Min-max blocks bound a sample only if no weight is negative.
-        let bounded = field_is_bounded(stage.quality.filter, stage.quality.classification, composited);
-        let blocks = (stage.quality.empty_space_skipping && bounded)
+        let bounded = field_is_bounded(quality.filter, quality.classification, composited);
+        let blocks = (quality.empty_space_skipping && bounded)
             .then(|| cache.blocks(&volume.volume, volume.component, filter.half_width() - 1))
             .transpose()?;
-        let step_table = StepTable::new(&table, ratio as f32)?;
+        let extremes = blocks.as_ref().and_then(|blocks| match mode(stage) {
+            Mode::Minimum | Mode::Slice(Slice { combine: Combine::Minimum, .. }) => {
+                Some(ExtremeGrid::new(blocks, true))
+            }
+            Mode::Maximum | Mode::Slice(Slice { combine: Combine::Maximum, .. }) => {
+                Some(ExtremeGrid::new(blocks, false))
+            }
+            _ => None,
+        });
+        let mut skip = blocks.as_ref().and_then(|blocks| match mode(stage) {
+            Mode::Composite | Mode::Additive | Mode::XRay => Some(SkipGrid::new(blocks, visible)),
+            Mode::Isosurface(isosurface) => {
+                let levels: Vec<f32> = isosurface.isovalues.iter().map(|iso| iso.value as f32).collect();
+                Some(SkipGrid::new(blocks, |low, high| levels.iter().any(|level| (low..=high).contains(level))))
+            }
+            Mode::Maximum | Mode::Minimum | Mode::Average | Mode::Slice(_) => None,
+        });
         // Without blocks nothing is known of the data ahead.
-        let adaptive = stage.quality.adaptive_tolerance > 0.0 && blocks.is_some();
-        let stride_entries = adaptive
-            .then(|| {
-                let tables = stride::tables(&table, ratio as f32)?;
-                Ok::<_, RenderError>(tables.iter().flat_map(StepTable::entries).copied().collect())
-            })
-            .transpose()?;
+        let adaptive = composited && quality.classification == Classification::Post && quality.adaptive_tolerance > 0.0;
+        let mut stride_entries = None;
+        if let (true, Some(grid), Some(blocks)) = (adaptive, &mut skip, &blocks) {
+            let shortest = volume.volume.grid().spacing().into_iter().fold(f64::INFINITY, f64::min);
+            let step = stage.step / shortest;
+            grid.set_levels(stride::levels(blocks, &step_table, visible, quality.adaptive_tolerance, step));
+            let tables = stride::tables(&table, ratio as f32)?;
+            stride_entries = Some(tables.iter().flat_map(StepTable::entries).copied().collect());
+        }
         Ok(Self {
-            region: region(stage, volume),
-            stride_entries,
-            step_table,
-            stage,
-            volume,
+            volume: volume.volume.clone(),
             field,
             component,
             filter,
-            blocks,
             table,
-            visibility,
+            step_table,
+            stride_entries,
             preintegration,
+            skip,
+            extremes,
         })
+    }
+}
+
+/// A volume and its optics, made ready for one stage.
+pub struct Prepared<'s> {
+    /// What is drawn.
+    pub stage: &'s Stage,
+    /// Its volume, with optics.
+    pub volume: &'s StageVolume,
+    /// Where the field is neither clipped nor outside a slab.
+    pub region: Region,
+    /// What is looked up.
+    pub tables: Arc<Tables>,
+}
+
+impl<'s> Prepared<'s> {
+    /// Makes tables and blocks, or finds them in the cache.
+    ///
+    /// # Errors
+    /// [`RenderError::Optics`] if the data's range cannot be tabulated, [`RenderError::Steps`] if rays
+    /// are too many steps long.
+    pub fn new(stage: &'s Stage, volume: &'s StageVolume, cache: &mut Cache) -> Result<Self, RenderError> {
+        let steps = longest(&volume.volume) / stage.step;
+        if !(steps < f64::from(MOST_STEPS)) {
+            return Err(RenderError::Steps { found: steps, limit: MOST_STEPS });
+        }
+        Ok(Self { stage, volume, region: region(stage, volume), tables: cache.tables(stage, volume)? })
     }
 
     /// The grid all positions refer to.

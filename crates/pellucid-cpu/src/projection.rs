@@ -17,7 +17,7 @@ pub struct Extreme<'a, S, F> {
     /// The transfer function, applied once to the extreme.
     pub table: Lookup<'a>,
     /// Blocks, if those that cannot change the extreme are leapt over.
-    pub skip: Option<ExtremeGrid>,
+    pub skip: Option<&'a ExtremeGrid>,
     /// Smallest instead of largest.
     pub minimum: bool,
     /// Opacity 1 wherever there is a value (slices) instead of the table's.
@@ -42,7 +42,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Extreme<'_, S, F> {
                     let (mut best, mut depth) = (splat(s, f32::NEG_INFINITY), splat(s, f32::INFINITY));
                     let mut k = splat(s, 0.0);
                     while rays.has(k).any_true() {
-                        if let Some(skip) = &self.skip {
+                        if let Some(skip) = self.skip {
                             let to = skip.leap(s, &rays, k, best);
                             counter.skip(to.min(rays.count) - k);
                             k = to;
@@ -154,7 +154,7 @@ pub struct Additive<'a, S, F> {
     /// Step in unit distances.
     pub step_ratio: f32,
     /// Blocks that can contribute, if empty space is skipped.
-    pub skip: Option<SkipGrid>,
+    pub skip: Option<&'a SkipGrid>,
 }
 
 impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
@@ -177,7 +177,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
                     while march.run(
                         s,
                         &rays,
-                        self.skip.as_ref(),
+                        self.skip,
                         &mut counter,
                         |_| (),
                         #[inline(always)]
@@ -212,7 +212,7 @@ pub struct XRay<'a, S, F> {
     /// Opacity of one step.
     pub table: Lookup<'a>,
     /// Blocks that can contribute, if empty space is skipped.
-    pub skip: Option<SkipGrid>,
+    pub skip: Option<&'a SkipGrid>,
 }
 
 impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
@@ -233,7 +233,7 @@ impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
                     while march.run(
                         s,
                         &rays,
-                        self.skip.as_ref(),
+                        self.skip,
                         &mut counter,
                         |_| (),
                         #[inline(always)]

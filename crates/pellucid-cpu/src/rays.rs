@@ -77,6 +77,9 @@ impl Emitter {
             above: [normal.dot(view.eye) - offset, normal.dot(from[0]), normal.dot(from[1])],
         };
         let (low, high) = grid.index_bounds();
+        // Rounding must not make rays along a face of the box miss it.
+        let room = (high - low).max_element() * 1e-12;
+        let (low, high) = (low - room, high + room);
         Self {
             set,
             perspective: view.perspective,

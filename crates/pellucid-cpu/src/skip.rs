@@ -107,11 +107,10 @@ impl SkipGrid {
         Self { layout: Layout::new(blocks), distance, levels: None }
     }
 
-    /// The same with longer strides where the levels of blocks allow them.
-    pub fn with_levels(mut self, mut levels: Vec<u8>) -> Self {
+    /// Allows longer strides where the levels of blocks do.
+    pub fn set_levels(&mut self, mut levels: Vec<u8>) {
         levels.extend([0; 3]);
         self.levels = Some(Levels { layout: self.layout, levels });
-        self
     }
 
     /// The levels of strides, if they are not all 1 step.

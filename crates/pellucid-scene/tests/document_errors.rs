@@ -72,6 +72,7 @@ fn toml_errors_point_at_their_line() {
         ("title = ''\n@version = 2\n", &["version: found 2, expected 1"]),
         ("[quality]\n\n@step = 0\n", &["quality.step: found 0, expected 0.01 to 100"]),
         ("[quality]\n@early_termination = 1.5\n", &["quality.early_termination: found 1.5"]),
+        ("[quality]\n@adaptive_tolerance = -0.1\n", &["quality.adaptive_tolerance: found -0.1", "0 to 1"]),
         ("[quality]\n@supersampling = 17\n", &["found 17, expected 1 to 16"]),
         (
             "[quality]\nstep = 1\n[quality.gradient.gaussian]\n\n@sigma = 9\n",

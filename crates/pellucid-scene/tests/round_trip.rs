@@ -208,8 +208,10 @@ fn quality() -> impl Strategy<Value = Quality> {
     ];
     let classification = select(vec![Classification::Post, Classification::Pre, Classification::PreIntegrated]);
     let jitter = prop_oneof![Just(Jitter::Centered), any::<u32>().prop_map(|seed| Jitter::BlueNoise { seed })];
-    (0.01..=100.0, filter, gradient, classification, jitter, 1e-3f32..=1.0, any::<bool>(), 1u32..=16).prop_map(
-        |(step, filter, gradient, classification, jitter, early_termination, empty_space_skipping, supersampling)| {
+    let thresholds = (1e-3f32..=1.0, 0.0f32..=1.0);
+    (0.01..=100.0, filter, gradient, classification, jitter, thresholds, any::<bool>(), 1u32..=16).prop_map(
+        |(step, filter, gradient, classification, jitter, thresholds, empty_space_skipping, supersampling)| {
+            let (early_termination, adaptive_tolerance) = thresholds;
             Quality {
                 step,
                 filter,
@@ -217,6 +219,7 @@ fn quality() -> impl Strategy<Value = Quality> {
                 classification,
                 jitter,
                 early_termination,
+                adaptive_tolerance,
                 empty_space_skipping,
                 supersampling,
             }
