@@ -24,9 +24,12 @@ impl<'a, R: Reconstruct> Probe<'a, R> {
         self.field.value(self.inside(index))
     }
 
-    /// The gradient in data units per world unit, one-sided beside whatever is absent or clipped.
-    pub fn gradient(&self, index: DVec3, center: f64) -> DVec3 {
+    /// The gradient in data units per world unit, one-sided beside whatever is absent or clipped. The
+    /// value in the middle is taken as exactly as those around it: against one rounded to f32 a flat
+    /// field would have a slope, and a direction.
+    pub fn gradient(&self, index: DVec3) -> DVec3 {
         let index = self.inside(index);
+        let center = self.field.value(index);
         let gradient = if self.region.is_everything() {
             self.field.gradient(self.gradient, index, center)
         } else {

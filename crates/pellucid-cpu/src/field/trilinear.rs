@@ -130,7 +130,7 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
     #[inline(always)]
     fn gradients(&self, s: S, index: Vec3<S>, centers: F32<S>, lanes: Mask<S>) -> Vec3<S> {
         if !self.central {
-            return gradient_of_each(s, &self.exact, index, centers, lanes);
+            return gradient_of_each(s, &self.exact, index, lanes);
         }
         let cell = self.locate(s, &index);
         let (u, zero) = (cell.u, whole(s, 0));
@@ -182,7 +182,7 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
         if !T::TYPE.is_integer() {
             let holes = lanes & !(gradient[0] + gradient[1] + gradient[2]).is_finite();
             if holes.any_true() {
-                let repaired = gradient_of_each(s, &self.exact, index, centers, holes);
+                let repaired = gradient_of_each(s, &self.exact, index, holes);
                 return xyz!(I => holes.select(repaired[I], gradient[I]));
             }
         }
