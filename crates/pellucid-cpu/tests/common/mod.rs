@@ -1,6 +1,8 @@
 //! Small scenes for tests.
 #![allow(dead_code, reason = "every test binary uses another part")]
 
+pub mod random;
+
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
