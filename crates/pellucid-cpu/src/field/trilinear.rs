@@ -180,7 +180,10 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
         let matrix = &self.world_from_index_gradient;
         let gradient = xyz!(I => dot::<S>(xyz!(J => splat(s, matrix[I][J])), g));
         if !T::TYPE.is_integer() {
-            let holes = lanes & !(gradient[0] + gradient[1] + gradient[2]).is_finite();
+            // Also where a voxel of the cell itself is absent and only the value in the middle knows:
+            // that was repaired in f64, which rounds other than these taps.
+            let cell = y[0] + y[1];
+            let holes = lanes & !(gradient[0] + gradient[1] + gradient[2] + cell).is_finite();
             if holes.any_true() {
                 let repaired = gradient_of_each(s, &self.exact, index, holes);
                 return xyz!(I => holes.select(repaired[I], gradient[I]));
