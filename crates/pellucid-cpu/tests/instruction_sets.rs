@@ -2,7 +2,8 @@
 
 mod common;
 
-use common::random::{Case, Data, Texture};
+use common::data::{Data, Texture};
+use common::random::Case;
 use pellucid_cpu::{CpuRenderer, InstructionSet};
 use pellucid_field::VoxelType;
 use pellucid_optics::{Frame as LightFrame, Light, LightKind, Material};

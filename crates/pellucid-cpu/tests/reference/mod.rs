@@ -3,7 +3,6 @@
 //! control points of the transfer function, the voxel values, the light that a lamp sends to a point
 //! and the weights of wide filters with the engine, and nothing else: no tables, no samplers, no
 //! blocks, no lattice, no vectors.
-#![allow(dead_code, reason = "not every test binary uses all of it")]
 
 mod composite;
 mod field;
