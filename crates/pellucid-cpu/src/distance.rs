@@ -66,7 +66,8 @@ mod tests {
             rarity in 1u64..60,
         ) {
             let [nx, ny, nz] = dims;
-            let live = |block: usize| (block as u64 + 7).wrapping_mul(0x9E37_79B9_7F4A_7C15 ^ seed) >> 40 % rarity == 0;
+            let hash = |block: usize| (block as u64 + 7).wrapping_mul(0x9E37_79B9_7F4A_7C15 ^ seed) >> 40;
+            let live = |block: usize| hash(block) % rarity == 0;
             let live: Vec<bool> = (0..nx * ny * nz).map(live).collect();
             let found = distances(dims, |block| live[block]);
             let position = |b: usize| [b % nx, b / nx % ny, b / (nx * ny)];

@@ -1,72 +1,174 @@
-//! The engine against the plain f64 reference, on random scenes.
+//! The engine against the plain f64 reference, on random scenes: every mode, with every instruction
+//! set, with and without skipping.
 
 mod common;
 mod reference;
 
-use common::{render, stage, transfer_function, unit_volume, volume_of};
-use glam::{DAffine3, DMat3, DVec3};
-use pellucid_optics::{Material, TransferFunction};
-use pellucid_scene::{Orbit, Projection, Stage, View};
-use proptest::prelude::*;
+use std::sync::Arc;
 
-/// Largest difference of a channel over all pixels.
-fn largest_difference(stage: &Stage) -> f64 {
-    let frame = render(stage);
-    let mut largest = 0.0f64;
-    for (pixel, color) in frame.color.iter().enumerate() {
-        let ray = stage.viewpoint.ray((pixel % 16) as f64 + 0.5, (pixel / 16) as f64 + 0.5);
-        let exact = reference::composite(&ray, stage);
-        for channel in 0..4 {
-            largest = largest.max((f64::from(color[channel]) - exact[channel]).abs());
-        }
+use common::random::{Case, case};
+use glam::DVec3;
+use pellucid_cpu::{CpuRenderer, InstructionSet};
+use pellucid_field::{Filter, Gradient, SincWindow};
+use pellucid_optics::{DataRange, PreIntegration};
+use pellucid_scene::{Classification, Combine, Control, Frame, Isosurface, Mode, Slice, Stage};
+use proptest::prelude::*;
+use reference::{Reading, Reference, Seen};
+
+/// The largest difference of a channel, before anything is quantised.
+const CHANNEL: f64 = 1e-4;
+/// The largest difference of a depth, in steps.
+const DEPTH: f64 = 1e-3;
+/// The largest difference of a coordinate of a normal.
+const NORMAL: f64 = 1e-3;
+
+/// What is wrong with a pixel, if anything is.
+fn wrong(stage: &Stage, frame: &Frame, pixel: usize, seen: &Seen) -> Option<String> {
+    let color = frame.color[pixel].map(f64::from);
+    let near = |a: f64, b: f64, bound: f64| a == b || (a - b).abs() <= bound;
+    if !(0..4).all(|channel| near(color[channel], seen.color[channel], CHANNEL)) {
+        return Some(format!("color {color:.6?}, reference {:.6?}", seen.color));
     }
-    largest
+    let depth = f64::from(frame.depth[pixel]);
+    // The frame keeps distances as f32.
+    let rounding = 1e-7 * depth;
+    if let Some(exact) = seen.depth.filter(|&exact| !near(depth, exact, DEPTH * stage.step + rounding)) {
+        return Some(format!("depth {depth}, reference {exact}"));
+    }
+    let normal = glam::Vec3::from_array(frame.normal[pixel]).as_dvec3();
+    let exact = seen.normal.filter(|exact| !normal.abs_diff_eq(*exact, NORMAL))?;
+    Some(format!("normal {normal}, reference {exact}"))
 }
 
-fn smooth_tf(peak: f64, opacity: f32) -> TransferFunction {
-    transfer_function(
-        &[(-1.0, 0x1030a0), (peak, 0xf0e0d0), (1.0, 0xc02010)],
-        &[(-1.0, 0.0), (-0.2, 0.02), (peak, opacity), (1.0, 0.3)],
-    )
+/// The other readings of the definition.
+fn readings() -> impl Iterator<Item = Reading> {
+    let signs = |bits: i32| DVec3::from_array([0, 1, 2].map(|axis| f64::from(bits >> axis & 1) * 2.0 - 1.0));
+    let shifts = std::iter::once(DVec3::ZERO).chain((0..8).map(move |bits| signs(bits) * 1e-5));
+    shifts.flat_map(|shift| [0.0, 1e-4].map(|slack| Reading { shift, slack })).skip(1)
+}
+
+/// Makes sure that every pixel is what the reference says, under any reading.
+fn check(stage: &Stage, frame: &Frame, plain: &[Option<Seen>], table: Table) -> Result<(), TestCaseError> {
+    for (pixel, seen) in plain.iter().enumerate() {
+        let wrong = |seen: Option<Seen>| wrong(stage, frame, pixel, &seen?);
+        let Some(message) = wrong(*seen) else { continue };
+        let (x, y) = (pixel % frame.width, pixel / frame.width);
+        let read = |reading| Reference::new(stage, reading).with_table(table.clone()).pixel(x, y);
+        prop_assert!(readings().any(|reading| wrong(read(reading)).is_none()), "pixel {x}, {y}: {message}");
+    }
+    Ok(())
+}
+
+/// The table that defines pre-integrated segments, if the reference does not integrate them itself.
+type Table = Option<Arc<PreIntegration>>;
+
+/// Draws a scene with every instruction set, with and without skipping.
+fn check_all(
+    case: &Case,
+    mode: &Mode,
+    classification: Classification,
+    table: impl Fn(&Stage) -> Table,
+) -> Result<(), TestCaseError> {
+    let stages = [false, true].map(|skipping| (skipping, case.stage(mode, classification, skipping)));
+    let stage = &stages[0].1;
+    let table = table(stage);
+    let reference = Reference::new(stage, Reading::default()).with_table(table.clone());
+    let (width, height) = (stage.viewpoint.width, stage.viewpoint.height);
+    let plain: Vec<Option<Seen>> = (0..width * height).map(|i| reference.pixel(i % width, i / width)).collect();
+    for set in [InstructionSet::Avx512, InstructionSet::Avx2, InstructionSet::Baseline] {
+        let Ok(mut renderer) = CpuRenderer::new().with_instructions(set) else { continue };
+        for (skipping, stage) in &stages {
+            let frame = renderer.render(stage, &Control::default()).unwrap();
+            check(stage, &frame, &plain, table.clone())
+                .map_err(|error| TestCaseError::fail(format!("{set}, skipping {skipping}, {mode:?}: {error}")))?;
+        }
+    }
+    Ok(())
+}
+
+/// Without a table.
+fn integrated(_: &Stage) -> Table {
+    None
+}
+
+/// The table of a stage.
+fn tabulated(stage: &Stage) -> Table {
+    let staged = &stage.volumes[0];
+    let (tf, data) = (&staged.transfer_function, DataRange::of(&staged.volume));
+    Some(Arc::new(PreIntegration::for_data(tf, &data, stage.step / staged.unit_distance()).unwrap()))
+}
+
+fn config(cases: u32) -> ProptestConfig {
+    ProptestConfig { cases, max_shrink_iters: 200, failure_persistence: None, ..ProptestConfig::default() }
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(config(100))]
 
     #[test]
-    fn compositing_is_what_the_reference_says(
-        dims in [2usize..14, 2usize..14, 2usize..14],
-        (azimuth, elevation, fov) in (0.0..360.0f64, -80.0..80.0f64, 5.0..90.0f64),
-        spacing in [0.3..3.0f64, 0.3..3.0f64, 0.3..3.0f64],
-        angles in [0.0..6.0f64, 0.0..6.0f64, 0.0..6.0f64],
-        (peak, opacity) in (0.0..0.9f64, 0.0..0.9f32),
-        step in 0.2..2.0f64,
-    ) {
-        let rotation = DMat3::from_euler(glam::EulerRot::XYZ, angles[0], angles[1], angles[2]);
-        let linear = rotation * DMat3::from_diagonal(DVec3::from_array(spacing));
-        let affine = DAffine3 { matrix3: linear, translation: DVec3::new(1.0, 2.0, 3.0) };
-        let volume = volume_of(dims, affine, |p| (p.x * 0.9 + p.y * 0.5).sin() * (p.z * 0.7 + 0.3).cos());
-        let stage = stage(volume, smooth_tf(peak, opacity), |scene| {
-            scene.camera.projection = Projection::Perspective { vertical_fov: fov };
-            scene.camera.view = View::Orbit(Orbit { azimuth, elevation, ..Orbit::default() });
-            scene.quality.step = step;
-        });
-        let largest = largest_difference(&stage);
-        prop_assert!(largest < 1e-4, "largest difference {largest}");
+    fn post_classified(case in case()) {
+        check_all(&case, &Mode::Composite, Classification::Post, integrated)?;
+    }
+
+    #[test]
+    fn isosurfaces(case in case()) {
+        check_all(&case, &Mode::Isosurface(Isosurface { isovalues: Vec::new() }), Classification::Post, integrated)?;
+    }
+
+    #[test]
+    fn extremes(case in case(), mode in prop::sample::select(vec![Mode::Maximum, Mode::Minimum])) {
+        check_all(&case, &mode, Classification::Post, integrated)?;
     }
 }
 
-/// Shading away from the borders, where the reference and the engine take the same six taps (at a
-/// border the reference clamps and the engine's gradients are one-sided).
-#[test]
-fn shading_is_what_the_reference_says() {
-    let middle = DVec3::splat(11.5);
-    let volume = unit_volume([24; 3], |p| 1.0 - (p - middle).length() / 9.0);
-    let material = Material::default();
-    let stage = stage(volume, transfer_function(&[(0.0, 0xc08040)], &[(0.0, 0.0), (1.0, 0.4)]), |scene| {
-        scene.volumes[0].shading = Some(true);
-        scene.volumes[0].material = Some(material);
-    });
-    let largest = largest_difference(&stage);
-    assert!(largest < 1e-4, "largest difference {largest}");
+fn slice() -> impl Strategy<Value = Mode> {
+    let combine = prop::sample::select(vec![Combine::Maximum, Combine::Minimum, Combine::Average]);
+    let normal = prop::option::of([-1.0..1.0f64, -1.0..1.0f64, 0.1..1.0f64]);
+    let thickness = prop_oneof![Just(0.0), 0.5..6.0f64];
+    (combine, normal, thickness)
+        .prop_map(|(combine, normal, thickness)| Mode::Slice(Slice { normal, thickness, combine, ..Slice::default() }))
+}
+
+/// Filters and gradients that are computed lane by lane.
+fn reconstruction() -> impl Strategy<Value = (Filter, Gradient)> {
+    let lanczos = Filter::Sinc { window: SincWindow::Lanczos, half_width: 3 };
+    let smooth = [false, true].map(|prefilter| Filter::BSpline { prefilter });
+    let filters = vec![Filter::Linear, Filter::Nearest, smooth[0], smooth[1], Filter::CATMULL_ROM, lanczos];
+    let gradients = vec![Gradient::Central, Gradient::Forward, Gradient::Sobel, Gradient::BSpline];
+    (prop::sample::select(filters), prop::sample::select(gradients))
+}
+
+proptest! {
+    #![proptest_config(config(32))]
+
+    #[test]
+    fn other_reconstructions(case in case(), (filter, gradient) in reconstruction()) {
+        let case = case.reconstructed(filter, gradient);
+        check_all(&case, &Mode::Composite, Classification::Post, integrated)?;
+    }
+
+    #[test]
+    fn pre_classified(case in case()) {
+        check_all(&case, &Mode::Composite, Classification::Pre, integrated)?;
+    }
+
+    #[test]
+    fn preintegrated(case in case()) {
+        check_all(&case.straight(), &Mode::Composite, Classification::PreIntegrated, integrated)?;
+    }
+
+    #[test]
+    fn preintegrated_by_table(case in case()) {
+        check_all(&case, &Mode::Composite, Classification::PreIntegrated, tabulated)?;
+    }
+
+    #[test]
+    fn sums(case in case(), mode in prop::sample::select(vec![Mode::Average, Mode::Additive, Mode::XRay])) {
+        check_all(&case, &mode, Classification::Post, integrated)?;
+    }
+
+    #[test]
+    fn slices(case in case(), mode in slice()) {
+        check_all(&case, &mode, Classification::Post, integrated)?;
+    }
 }

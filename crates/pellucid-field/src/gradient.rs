@@ -232,9 +232,12 @@ impl SplineCell {
         DMat3::from_cols(DVec3::new(xx, xy, zx), DVec3::new(xy, yy, yz), DVec3::new(zx, yz, zz))
     }
 
-    /// The partial derivative of the given order, 0 to 2, along each axis.
+    /// The partial derivative of the given order, 0 to 2, along each axis, not 0 along all. Its
+    /// weights cancel, so it is taken of the differences to one voxel: rounding then leaves no slope,
+    /// and no direction, in a flat field.
     #[inline(always)]
     fn derivative(&self, order: [usize; 3]) -> f64 {
+        let middle = self.voxels[21];
         let [x, y, z]: [[f64; 4]; 3] = std::array::from_fn(|axis| match order[axis] {
             0 => bspline_weights(self.u[axis]),
             1 => bspline_derivative_weights(self.u[axis]),
@@ -242,7 +245,7 @@ impl SplineCell {
         });
         let mut sum = 0.0;
         for (row, voxels) in self.voxels.as_chunks::<4>().0.iter().enumerate() {
-            let along: f64 = (0..4).map(|i| x[i] * voxels[i]).sum();
+            let along: f64 = (0..4).map(|i| x[i] * (voxels[i] - middle)).sum();
             sum += y[row & 3] * z[row >> 2] * along;
         }
         sum

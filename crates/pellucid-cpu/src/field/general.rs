@@ -17,8 +17,8 @@ impl<S: Lanes> Field<S> for General<'_> {
     }
 
     #[inline(always)]
-    fn gradients(&self, s: S, index: Vec3<S>, centers: F32<S>, lanes: Mask<S>) -> Vec3<S> {
-        gradient_of_each(s, &self.0, index, centers, lanes)
+    fn gradients(&self, s: S, index: Vec3<S>, _: F32<S>, lanes: Mask<S>) -> Vec3<S> {
+        gradient_of_each(s, &self.0, index, lanes)
     }
 }
 
@@ -76,17 +76,11 @@ pub fn value_of_each<S: Lanes, R: Reconstruct>(s: S, probe: &Probe<R>, index: Ve
 
 /// World gradients, one lane after the other.
 #[inline(never)]
-pub fn gradient_of_each<S: Lanes, R: Reconstruct>(
-    s: S,
-    probe: &Probe<R>,
-    index: Vec3<S>,
-    centers: F32<S>,
-    lanes: Mask<S>,
-) -> Vec3<S> {
+pub fn gradient_of_each<S: Lanes, R: Reconstruct>(s: S, probe: &Probe<R>, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
     let mut gradients = [splat(s, 0.0); 3];
     let bits = lanes.to_bitmask();
     for lane in (0..width::<S>()).filter(|lane| bits >> lane & 1 == 1) {
-        let gradient = probe.gradient(lane_position::<S>(&index, lane), f64::from(centers[lane]));
+        let gradient = probe.gradient(lane_position::<S>(&index, lane));
         for (axis, lanes) in gradients.iter_mut().enumerate() {
             lanes[lane] = gradient[axis] as f32;
         }

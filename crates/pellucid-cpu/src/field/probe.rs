@@ -24,10 +24,13 @@ impl<'a, R: Reconstruct> Probe<'a, R> {
         self.field.value(self.inside(index))
     }
 
-    /// The gradient in data units per world unit, one-sided beside whatever is absent or clipped.
-    pub fn gradient(&self, index: DVec3, center: f64) -> DVec3 {
+    /// The gradient in data units per world unit, one-sided beside whatever is absent or clipped. The
+    /// value in the middle is taken as exactly as those around it: against one rounded to f32 a flat
+    /// field would have a slope, and a direction.
+    pub fn gradient(&self, index: DVec3) -> DVec3 {
         let index = self.inside(index);
-        let gradient = if self.region.is_everything() {
+        let center = self.field.value(index);
+        let gradient = if self.is_whole_around(index) {
             self.field.gradient(self.gradient, index, center)
         } else {
             let world_from_index = self.grid.world_from_index();
@@ -36,6 +39,20 @@ impl<'a, R: Reconstruct> Probe<'a, R> {
             })
         };
         self.world_from_index_gradient * gradient
+    }
+
+    /// Whether no clip comes near what the field's own gradient reads. A B-spline's is of the 4x4x4
+    /// voxels, where they are all there: a cut elsewhere does not turn it into one of samples.
+    fn is_whole_around(&self, index: DVec3) -> bool {
+        if self.region.is_everything() || self.gradient != Gradient::BSpline {
+            return self.region.is_everything();
+        }
+        // The region is convex: with the corners it has all voxels between them.
+        let (world_from_index, cell) = (self.grid.world_from_index(), index.floor());
+        (0..8).all(|corner| {
+            let offset = DVec3::from_array([0, 1, 2].map(|axis| if corner >> axis & 1 == 0 { -1.0 } else { 2.0 }));
+            self.region.contains(world_from_index.transform_point3(cell + offset))
+        })
     }
 
     /// Turns a gradient per index step into one per world unit.

@@ -149,7 +149,7 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
     #[inline(always)]
     fn gradients(&self, s: S, index: Vec3<S>, centers: F32<S>, lanes: Mask<S>) -> Vec3<S> {
         if !self.central {
-            return gradient_of_each(s, &self.exact, index, centers, lanes);
+            return gradient_of_each(s, &self.exact, index, lanes);
         }
         // Lanes that are not asked for must not take the others to the border.
         let index = xyz!(I => lanes.select(index[I], splat(s, 1.5)));
@@ -213,9 +213,12 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
         let matrix = &self.gradient_map;
         let gradient = xyz!(I => dot::<S>(xyz!(J => splat(s, matrix[I][J])), g));
         if !T::TYPE.is_integer() {
-            let holes = lanes & !(gradient[0] + gradient[1] + gradient[2]).is_finite();
+            // Also where a voxel of the cell itself is absent and only the value in the middle knows:
+            // that was repaired in f64, which rounds other than these taps.
+            let cell = y[0] + y[1];
+            let holes = lanes & !(gradient[0] + gradient[1] + gradient[2] + cell).is_finite();
             if holes.any_true() {
-                let repaired = gradient_of_each(s, &self.exact, index, centers, holes);
+                let repaired = gradient_of_each(s, &self.exact, index, holes);
                 return xyz!(I => holes.select(repaired[I], gradient[I]));
             }
         }

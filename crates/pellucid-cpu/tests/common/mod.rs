@@ -1,6 +1,9 @@
 //! Small scenes for tests.
 #![allow(dead_code, reason = "every test binary uses another part")]
 
+pub mod data;
+pub mod random;
+
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};

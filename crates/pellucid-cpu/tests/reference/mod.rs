@@ -1,96 +1,154 @@
-//! The readable statement of what the ray caster computes: a page of plain f64 code straight from
-//! the definitions, slow and without any acceleration. It shares the camera, the control points of
-//! the transfer function and the voxel values with the engine, and nothing else: no tables, no
-//! samplers, no blocks, no lattice.
+//! The readable statement of what the ray caster computes: plain f64 code straight from the
+//! definitions, slow and without any acceleration, one file per mode. It shares the camera, the
+//! control points of the transfer function, the voxel values, the light that a lamp sends to a point
+//! and the weights of wide filters with the engine, and nothing else: no tables, no samplers, no
+//! blocks, no lattice, no vectors.
+
+mod composite;
+mod field;
+mod isosurface;
+mod light;
+mod path;
+mod projection;
+
+use std::sync::Arc;
 
 use glam::DVec3;
-use pellucid_field::Volume;
-use pellucid_optics::Material;
-use pellucid_scene::{Ray, Stage, StageVolume};
+use pellucid_optics::{PreIntegration, TransferFunction, extinction};
+use pellucid_scene::{Combine, Jitter, Mode, RayCast, Slice, Stage, StageVolume, Technique, blue_noise};
 
-/// Trilinear interpolation between the voxels; clamped at the border.
-pub fn value(volume: &Volume, p: DVec3) -> f64 {
-    let n = volume.grid().dims();
-    let mut sum = 0.0;
-    for corner in 0..8 {
-        let mut weight = 1.0;
-        let mut voxel = [0; 3];
-        for axis in 0..3 {
-            let x = p[axis].clamp(0.0, (n[axis] - 1) as f64);
-            let upper = corner >> axis & 1;
-            voxel[axis] = (x.floor() as usize + upper).min(n[axis] - 1);
-            let u = x - x.floor();
-            weight *= if upper == 1 { u } else { 1.0 - u };
-        }
-        if weight > 0.0 {
-            sum += weight * volume.value(voxel, 0);
-        }
-    }
-    sum
+pub use field::{Field, Reading};
+use path::Path;
+
+/// What a ray or a pixel sees.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Associated linear RGBA.
+    pub color: [f64; 4],
+    /// Distance from the eye; infinite where there is nothing. `None` if rounding decides which of
+    /// two it is.
+    pub depth: Option<f64>,
+    /// World normal at that depth, or zero. `None` if rounding decides.
+    pub normal: Option<DVec3>,
 }
 
-/// Where a ray is inside the box and the clips, by clipping against every face's plane.
-pub fn interval(ray: &Ray, staged: &StageVolume) -> Option<(f64, f64)> {
-    let grid = staged.volume.grid();
-    let (low, high) = grid.index_bounds();
-    let origin = grid.index_from_world().transform_point3(ray.origin);
-    let direction = grid.index_from_world().transform_vector3(ray.direction);
-    let (mut t0, mut t1) = (0.0f64, f64::INFINITY);
-    for axis in 0..3 {
-        for (bound, side) in [(low[axis], 1.0), (high[axis], -1.0)] {
-            let (above, slope) = (side * (origin[axis] - bound), side * direction[axis]);
-            if slope == 0.0 && above < 0.0 {
-                return None;
-            }
-            if slope > 0.0 {
-                t0 = t0.max(-above / slope);
-            }
-            if slope < 0.0 {
-                t1 = t1.min(-above / slope);
-            }
-        }
+impl Seen {
+    const NOTHING: Self = Self { color: [0.0; 4], depth: Some(f64::INFINITY), normal: Some(DVec3::ZERO) };
+
+    fn colored(color: [f64; 4]) -> Self {
+        Self { color, ..Self::NOTHING }
     }
-    staged.region.interval(ray, t0, t1)
 }
 
-/// Two-sided Blinn-Phong with one white light that shines along the ray, on a surface colour.
-fn headlit(base: [f64; 3], gradient: DVec3, direction: DVec3, material: &Material, ambient: f64) -> [f64; 3] {
-    let [diffuse, specular, shininess] = [material.diffuse, material.specular, material.shininess].map(f64::from);
-    let ambient = f64::from(material.ambient) * ambient;
-    let facing = gradient.try_normalize().map_or(0.0, |normal| normal.dot(direction).abs());
-    base.map(|c| c * (ambient + diffuse * facing) + specular * facing.powf(shininess))
+/// A stage, under one reading of what the definition leaves to rounding.
+pub struct Reference<'a> {
+    stage: &'a Stage,
+    staged: &'a StageVolume,
+    tf: &'a TransferFunction,
+    field: Field<'a>,
+    mode: &'a Mode,
+    /// Integrals of segments, where they are not computed anew.
+    table: Option<Arc<PreIntegration>>,
 }
 
-/// Emission and absorption along one ray: associated RGBA, by midpoint samples of the exact curves.
-pub fn composite(ray: &Ray, stage: &Stage) -> [f64; 4] {
-    let staged = &stage.volumes[0];
-    let (volume, tf) = (&*staged.volume, &staged.transfer_function);
-    let Some((entry, exit)) = interval(ray, staged) else { return [0.0; 4] };
-    let unit = tf.unit_distance().unwrap();
-    let mut rgba = [0.0; 4];
-    let segments = ((exit - entry) / stage.step).ceil().max(1.0) as usize;
-    for k in 0..segments {
-        let from = entry + k as f64 * stage.step;
-        let to = (from + stage.step).min(exit);
-        let world = ray.at((from + to) / 2.0);
-        let p = volume.grid().index_from_world().transform_point3(world);
-        let v = value(volume, p);
-        let opacity = 1.0 - (1.0 - f64::from(tf.opacity(v))).powf((to - from) / unit);
-        if opacity == 0.0 {
-            continue;
-        }
-        let mut color = tf.color(v).map(f64::from);
-        if let Some(material) = &staged.material {
-            let slope = |axis: DVec3| (value(volume, p + axis) - value(volume, p - axis)) / 2.0;
-            let index_gradient = DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z));
-            let gradient = volume.grid().index_from_world().matrix3.transpose() * index_gradient;
-            color = headlit(color, gradient, ray.direction, material, f64::from(stage.ambient));
-        }
-        let through = 1.0 - rgba[3];
-        for channel in 0..3 {
-            rgba[channel] += through * opacity * color[channel];
-        }
-        rgba[3] += through * opacity;
+impl<'a> Reference<'a> {
+    /// The only volume of a stage.
+    pub fn new(stage: &'a Stage, reading: Reading) -> Self {
+        let staged = &stage.volumes[0];
+        let Technique::RayCast(RayCast { mode }) = &stage.technique;
+        Self { stage, staged, tf: &staged.transfer_function, field: Field::new(stage, reading), mode, table: None }
     }
-    rgba
+
+    /// The same with a table for the definition of a pre-integrated segment: the one of
+    /// [`PreIntegration`], whose tests hold it to the integral.
+    pub fn with_table(self, table: Option<Arc<PreIntegration>>) -> Self {
+        Self { table, ..self }
+    }
+
+    /// What the pixel in column x and row y sees: the mean of its rays' colours and the nearest of
+    /// their surfaces. `None` if a ray meets a surface where rounding decides what it sees.
+    pub fn pixel(&self, x: usize, y: usize) -> Option<Seen> {
+        let n = self.stage.quality.supersampling as usize;
+        let mut seen = Seen::NOTHING;
+        for sub in 0..n * n {
+            let inside = |cell: usize| (cell as f64 + 0.5) / n as f64;
+            let ray = self.stage.viewpoint.ray(x as f64 + inside(sub % n), y as f64 + inside(sub / n));
+            let jitter = match self.stage.quality.jitter {
+                Jitter::Centered => 0.5,
+                Jitter::BlueNoise { seed } => (blue_noise(x, y, seed) + sub as f64 * 0.618_033_988_749_894_9).fract(),
+            };
+            let Some(path) = Path::new(ray, self.stage, self.slab(), jitter) else { continue };
+            let found = self.trace(&path)?;
+            for channel in 0..4 {
+                seen.color[channel] += found.color[channel] / (n * n) as f64;
+            }
+            (seen.depth, seen.normal) = match (seen.depth, found.depth) {
+                (Some(a), Some(b)) if a.is_finite() && (a - b).abs() < 1e-5 * self.stage.step => (seen.depth, None),
+                (Some(a), Some(b)) if a <= b => (seen.depth, seen.normal),
+                (Some(_), Some(_)) => (found.depth, found.normal),
+                _ => (None, None),
+            };
+        }
+        Some(seen)
+    }
+
+    fn trace(&self, path: &Path) -> Option<Seen> {
+        Some(match self.mode {
+            Mode::Composite => self.composite(path),
+            Mode::Maximum => self.extreme(path, 1.0, false),
+            Mode::Minimum => self.extreme(path, -1.0, false),
+            Mode::Average => self.average(path, false),
+            Mode::Additive => self.additive(path),
+            Mode::XRay => self.x_ray(path),
+            Mode::Isosurface(surfaces) => return self.surfaces(path, &surfaces.isovalues),
+            Mode::Slice(slice) if slice.thickness == 0.0 => return self.cut(path, slice),
+            Mode::Slice(slice) => match slice.combine {
+                Combine::Maximum => self.extreme(path, 1.0, true),
+                Combine::Minimum => self.extreme(path, -1.0, true),
+                Combine::Average => self.average(path, true),
+            },
+        })
+    }
+
+    /// Point and unit normal of a slice.
+    fn plane(&self, slice: &Slice) -> [DVec3; 2] {
+        let point = slice.point.map_or_else(|| self.staged.volume.grid().center(), DVec3::from_array);
+        let normal = slice.normal.map_or(-self.stage.viewpoint.forward, DVec3::from_array);
+        [point, normal.normalize()]
+    }
+
+    /// The half-spaces of a thick slice: unit normals and offsets.
+    fn slab(&self) -> Vec<(DVec3, f64)> {
+        match self.mode {
+            Mode::Slice(slice) if slice.thickness > 0.0 => {
+                let [point, normal] = self.plane(slice);
+                let (middle, half) = (normal.dot(point), slice.thickness / 2.0);
+                vec![(normal, middle - half), (-normal, -middle - half)]
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// The opacity of a length at a value.
+    fn opacity(&self, value: f64, length: f64) -> f64 {
+        over_length(f64::from(self.tf.opacity(value)), length / self.unit())
+    }
+
+    /// Extinction per world unit at a value.
+    fn extinction(&self, value: f64) -> f64 {
+        extinction(f64::from(self.tf.opacity(value)), self.unit())
+    }
+
+    fn color(&self, value: f64) -> [f64; 3] {
+        self.tf.color(value).map(f64::from)
+    }
+
+    fn unit(&self) -> f64 {
+        self.tf.unit_distance().expect("a stage has it set")
+    }
+}
+
+/// The opacity over `ratio` times the length it holds for (1.4-13).
+fn over_length(opacity: f64, ratio: f64) -> f64 {
+    1.0 - (1.0 - opacity).powf(ratio)
 }

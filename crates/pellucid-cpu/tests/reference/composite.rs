@@ -1,0 +1,138 @@
+//! Emission and absorption, front to back (1.4-8), under the three classifications.
+
+use pellucid_scene::Classification;
+
+use super::path::Path;
+use super::{Reference, Seen, over_length};
+
+/// A sample on its way into a ray.
+struct Sample {
+    distance: f64,
+    /// Data value where it is lit; NaN if absent.
+    value: f64,
+    /// Associated RGBA.
+    color: [f64; 4],
+}
+
+impl Reference<'_> {
+    /// The medium along a path.
+    pub fn composite(&self, path: &Path) -> Seen {
+        let samples = match self.stage.quality.classification {
+            Classification::Post => self.post(path),
+            Classification::Pre => self.pre(path),
+            Classification::PreIntegrated => self.preintegrated(path),
+        };
+        let mut seen = Seen::NOTHING;
+        // Where opacity passes one half, a little earlier and a little later.
+        let mut halves = [None; 2];
+        for sample in samples {
+            let [r, g, b, alpha] = sample.color;
+            if alpha == 0.0 {
+                continue;
+            }
+            let world = path.ray.at(sample.distance);
+            let gradient = self.field.gradient(self.field.index(world), sample.value);
+            let base = [r / alpha, g / alpha, b / alpha];
+            let [r, g, b] = self.lit(base, world, gradient, -path.ray.direction);
+            let share = (1.0 - seen.color[3]) * alpha;
+            for (channel, light) in seen.color.iter_mut().zip([r, g, b, 1.0]) {
+                *channel += share * light;
+            }
+            for (half, room) in halves.iter_mut().zip([-1e-5, 1e-5]) {
+                if half.is_none() && seen.color[3] >= 0.5 + room {
+                    *half = Some(sample.distance);
+                }
+            }
+            if seen.color[3] >= f64::from(self.stage.quality.early_termination) {
+                break;
+            }
+        }
+        match halves {
+            [None, None] => (),
+            [Some(early), Some(late)] if early == late => {
+                let p = self.field.index(path.ray.at(early));
+                (seen.depth, seen.normal) = (Some(early), self.field.normal(p, self.field.value(p)));
+            }
+            _ => (seen.depth, seen.normal) = (None, None),
+        }
+        seen
+    }
+
+    /// The transfer function of the interpolated value (4.3-1).
+    fn post(&self, path: &Path) -> Vec<Sample> {
+        let sample = |(distance, length)| {
+            let value = self.field.value(self.field.index(path.ray.at(distance)));
+            let (alpha, [r, g, b]) = (self.opacity(value, length), self.color(value));
+            Sample { distance, value, color: [r * alpha, g * alpha, b * alpha, alpha] }
+        };
+        path.samples().into_iter().map(sample).collect()
+    }
+
+    /// The interpolated associated colours of the voxels (4.2-1), of one step; then over the
+    /// sample's own length (1.4-14).
+    fn pre(&self, path: &Path) -> Vec<Sample> {
+        let sample = |(distance, length): (f64, f64)| {
+            let p = self.field.index(path.ray.at(distance));
+            let [x, y, z] = [0, 1, 2].map(|axis| self.field.taps(axis, p[axis]));
+            let mut sum = [0.0; 4];
+            for (k, wz) in &z {
+                for (j, wy) in &y {
+                    for (i, wx) in &x {
+                        let value = self.field.voxel([*i, *j, *k]);
+                        let (alpha, [r, g, b]) = (self.opacity(value, self.stage.step), self.color(value));
+                        let color = [r * alpha, g * alpha, b * alpha, alpha];
+                        (0..4).for_each(|channel| sum[channel] += wx * wy * wz * color[channel]);
+                    }
+                }
+            }
+            // Filters with negative weights overshoot.
+            let color = sum.map(|channel| channel.clamp(0.0, 1.0));
+            Sample { distance, value: self.field.value(p), color: shortened(color, length / self.stage.step) }
+        };
+        path.samples().into_iter().map(sample).collect()
+    }
+
+    /// The medium between the nodes, where the value runs straight from one end to the other
+    /// (4.5-5). Where one end is absent the field reaches half way with the value of the other.
+    fn preintegrated(&self, path: &Path) -> Vec<Sample> {
+        let node = |&distance: &f64| (distance, self.field.value(self.field.index(path.ray.at(distance))));
+        let nodes: Vec<(f64, f64)> = path.nodes().iter().map(node).collect();
+        let segment = |pair: &[(f64, f64)]| {
+            let [(start, front), (end, back)] = [pair[0], pair[1]];
+            let (front, back, length) = match (front.is_finite(), back.is_finite()) {
+                (true, true) => (front, back, end - start),
+                (true, false) => (front, front, (end - start) / 2.0),
+                _ => (back, back, (end - start) / 2.0),
+            };
+            let distance = (start + end) / 2.0;
+            let value = self.field.value(self.field.index(path.ray.at(distance)));
+            let color = shortened(self.integral(front, back), length / self.stage.step);
+            Sample { distance, value, color }
+        };
+        nodes.windows(2).map(segment).collect()
+    }
+
+    /// A full step along which the value runs straight: from the table, if this reference has one,
+    /// or in thin slices.
+    fn integral(&self, front: f64, back: f64) -> [f64; 4] {
+        const SLICES: usize = 48;
+        if let Some(table) = &self.table {
+            return table.lookup(front as f32, back as f32).map(f64::from);
+        }
+        let mut sum = [0.0; 4];
+        for slice in 0..SLICES {
+            let value = front + (back - front) * (slice as f64 + 0.5) / SLICES as f64;
+            let alpha = self.opacity(value, self.stage.step / SLICES as f64);
+            let [r, g, b] = self.color(value);
+            let share = (1.0 - sum[3]) * alpha;
+            sum = [sum[0] + share * r, sum[1] + share * g, sum[2] + share * b, sum[3] + share];
+        }
+        sum
+    }
+}
+
+/// An associated colour over a part of its length (1.4-14).
+fn shortened(color: [f64; 4], ratio: f64) -> [f64; 4] {
+    let alpha = over_length(color[3], ratio);
+    if color[3] > 0.0 { color.map(|channel| channel * alpha / color[3]) } else { color }
+}
