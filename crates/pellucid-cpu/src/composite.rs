@@ -46,16 +46,9 @@ impl<S: Lanes, F: Field<S>> Medium<'_, S, F> {
 
     /// Shades associated samples.
     #[inline(always)]
-    fn lit(
-        &self,
-        aim: &Option<Aim<S>>,
-        index: Vec3<S>,
-        value: F32<S>,
-        rgba: [F32<S>; 4],
-        lanes: Mask<S>,
-    ) -> [F32<S>; 4] {
+    fn lit(&self, aim: &Option<Aim<S>>, index: Vec3<S>, rgba: [F32<S>; 4], lanes: Mask<S>) -> [F32<S>; 4] {
         let (Some(surface), Some(aim)) = (&self.surface, aim) else { return rgba };
-        let gradient = self.field.gradients(self.s, index, value, lanes);
+        let gradient = self.field.gradients(self.s, index, lanes);
         surface.shade(self.s, rgba, index, gradient, aim, lanes)
     }
 
@@ -81,7 +74,7 @@ impl<S: Lanes, F: Field<S>> Medium<'_, S, F> {
             let index = rays.at(met.select(ray.half, splat(self.s, 0.0)));
             let value = self.field.values(self.s, index, met);
             let present = value.is_finite();
-            let found = normals(self.s, self.field.gradients(self.s, index, value, met)).0;
+            let found = normals(self.s, self.field.gradients(self.s, index, met)).0;
             normal = xyz!(I => present.select(found[I], splat(self.s, 0.0)));
         }
         traced.set_surface(self.s, met, ray.half, normal);
@@ -131,7 +124,7 @@ impl<S: Lanes, F: Field<S>, C: Classify> Integrator for Composite<'_, S, F, C> {
                                 if sample.shortened {
                                     rgba = over_length(s, rgba, sample.ratio);
                                 }
-                                let rgba = medium.lit(&ray.aim, sample.index, value, rgba, visible);
+                                let rgba = medium.lit(&ray.aim, sample.index, rgba, visible);
                                 medium.add(ray, sample.distance, rgba, visible)
                             },
                         );
@@ -199,7 +192,7 @@ impl<S: Lanes, F: Field<S>> Visit<S> for Compositing<'_, S, F> {
     #[inline(always)]
     fn visit(&mut self, segment: &Segment<S>, counter: &mut Counter<S>) -> Verdict<S> {
         let medium = &self.mode.medium;
-        let (s, none) = (medium.s, all(medium.s, false));
+        let none = all(medium.s, false);
         let (rgba, visible) = self.mode.integral(segment);
         if !visible.any_true() {
             return Verdict { done: none, wait: none };
@@ -207,9 +200,7 @@ impl<S: Lanes, F: Field<S>> Visit<S> for Compositing<'_, S, F> {
         counter.see(visible);
         let middle = (segment.distance[0] + segment.distance[1]) * 0.5;
         let index = self.rays.at(middle);
-        let lit = medium.surface.is_some();
-        let value = if lit { medium.field.values(s, index, visible) } else { splat(s, f32::NAN) };
-        let rgba = medium.lit(&self.ray.aim, index, value, rgba, visible);
+        let rgba = medium.lit(&self.ray.aim, index, rgba, visible);
         Verdict { done: medium.add(self.ray, middle, rgba, visible), wait: none }
     }
 }

@@ -161,7 +161,7 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
             counter.see(lanes);
             let distance = self.root(rays, crossed, level, lanes);
             let index = rays.at(distance);
-            let gradient = self.field.gradients(s, index, level, lanes);
+            let gradient = self.field.gradients(s, index, lanes);
             let base = xyz!(C => rising.select(splat(s, up.color[C]), splat(s, down.color[C])));
             let opacity = rising.select(splat(s, up.opacity), splat(s, down.opacity));
             let mut rgba = [base[0] * opacity, base[1] * opacity, base[2] * opacity, opacity];

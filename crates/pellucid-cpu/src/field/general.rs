@@ -17,7 +17,7 @@ impl<S: Lanes> Field<S> for General<'_> {
     }
 
     #[inline(always)]
-    fn gradients(&self, s: S, index: Vec3<S>, _: F32<S>, lanes: Mask<S>) -> Vec3<S> {
+    fn gradients(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
         gradient_of_each(s, &self.0, index, lanes)
     }
 }
@@ -33,8 +33,8 @@ impl<S: Lanes> Field<S> for Any<'_, S> {
     }
 
     #[inline(always)]
-    fn gradients(&self, s: S, index: Vec3<S>, centers: F32<S>, lanes: Mask<S>) -> Vec3<S> {
-        self.0.gradients(s, index, centers, lanes)
+    fn gradients(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
+        self.0.gradients(s, index, lanes)
     }
 }
 
@@ -49,10 +49,10 @@ impl<S: Lanes, F: Field<S>> Field<S> for Entered<F> {
         )
     }
 
-    fn gradients(&self, s: S, index: Vec3<S>, centers: F32<S>, lanes: Mask<S>) -> Vec3<S> {
+    fn gradients(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
         s.vectorize(
             #[inline(always)]
-            || self.0.gradients(s, index, centers, lanes),
+            || self.0.gradients(s, index, lanes),
         )
     }
 }

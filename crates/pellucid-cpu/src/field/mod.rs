@@ -26,8 +26,7 @@ pub trait Field<S: Lanes>: Sync {
     #[inline(always)]
     fn prefetch(&self, _: S, _: Vec3<S>) {}
 
-    /// Gradients in data units per world unit, one-sided beside whatever is absent or clipped,
-    /// where `centers` are the values at these positions. What the lanes without a `true` give is
-    /// not specified.
-    fn gradients(&self, s: S, index: Vec3<S>, centers: F32<S>, lanes: Mask<S>) -> Vec3<S>;
+    /// Gradients in data units per world unit, one-sided beside whatever is absent or clipped. What
+    /// the lanes without a `true` give is not specified.
+    fn gradients(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S>;
 }

@@ -147,7 +147,7 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
     /// The 32 voxels that the six taps stand on, each read once: the taps share their fractions
     /// with the position.
     #[inline(always)]
-    fn gradients(&self, s: S, index: Vec3<S>, centers: F32<S>, lanes: Mask<S>) -> Vec3<S> {
+    fn gradients(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
         if !self.central {
             return gradient_of_each(s, &self.exact, index, lanes);
         }
@@ -213,10 +213,8 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
         let matrix = &self.gradient_map;
         let gradient = xyz!(I => dot::<S>(xyz!(J => splat(s, matrix[I][J])), g));
         if !T::TYPE.is_integer() {
-            // Also where a voxel of the cell itself is absent and only the value in the middle knows:
-            // that was repaired in f64, which rounds other than these taps.
-            let cell = y[0] + y[1];
-            let holes = lanes & !(gradient[0] + gradient[1] + gradient[2] + cell).is_finite();
+            // Every difference stands on voxels of the cell, so an absent one there is seen, too.
+            let holes = lanes & !(gradient[0] + gradient[1] + gradient[2]).is_finite();
             if holes.any_true() {
                 let repaired = gradient_of_each(s, &self.exact, index, holes);
                 return xyz!(I => holes.select(repaired[I], gradient[I]));
