@@ -6,7 +6,7 @@ mod reference;
 
 use std::sync::Arc;
 
-use common::random::{Case, case};
+use common::random::{Case, case, sparse_case};
 use glam::DVec3;
 use pellucid_cpu::{CpuRenderer, InstructionSet};
 use pellucid_field::{Filter, Gradient, SincWindow};
@@ -136,6 +136,27 @@ fn reconstruction() -> impl Strategy<Value = (Filter, Gradient)> {
     let filters = vec![Filter::Linear, Filter::Nearest, smooth[0], smooth[1], Filter::CATMULL_ROM, lanczos];
     let gradients = vec![Gradient::Central, Gradient::Forward, Gradient::Sobel, Gradient::BSpline];
     (prop::sample::select(filters), prop::sample::select(gradients))
+}
+
+/// The modes that leap over empty blocks.
+fn leaping() -> impl Strategy<Value = (Mode, Classification)> {
+    let surfaces = Mode::Isosurface(Isosurface { isovalues: Vec::new() });
+    let modes = vec![Mode::Composite, Mode::Additive, Mode::XRay, Mode::Maximum, Mode::Minimum, surfaces];
+    let preintegrated = Just((Mode::Composite, Classification::PreIntegrated));
+    prop_oneof![
+        3 => prop::sample::select(modes).prop_map(|mode| (mode, Classification::Post)),
+        1 => preintegrated,
+    ]
+}
+
+proptest! {
+    #![proptest_config(config(100))]
+
+    #[test]
+    fn empty_space(case in sparse_case(), (mode, classification) in leaping()) {
+        let preintegrated = classification == Classification::PreIntegrated;
+        check_all(&case, &mode, classification, if preintegrated { tabulated } else { integrated })?;
+    }
 }
 
 proptest! {

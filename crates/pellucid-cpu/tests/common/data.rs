@@ -15,6 +15,9 @@ pub enum Texture {
     Waves,
     /// Waves in emptiness.
     Islands,
+    /// Cubes of noise in emptiness, a few voxels apart from the borders of the blocks that engines
+    /// leap over, or at them.
+    Crumbs,
 }
 
 /// The voxels of a random volume.
@@ -60,12 +63,18 @@ impl Data {
     fn level(&self, voxel: usize, component: usize) -> f64 {
         let p = [voxel % self.dims[0], voxel / self.dims[0] % self.dims[1], voxel / (self.dims[0] * self.dims[1])];
         let p = DVec3::from_array(p.map(|i| i as f64));
+        let noise = (1.2 * random(self.seed, voxel * 4 + component) - 0.1).clamp(0.0, 1.0);
         let phase = (self.seed % 100) as f64 + component as f64;
         let waves = 0.5 + 0.5 * (0.43 * p.x + 0.29 * p.y + phase).sin() * (0.37 * p.z - 0.23 * p.x + phase).cos();
         match self.texture {
-            Texture::Noise => (1.2 * random(self.seed, voxel * 4 + component) - 0.1).clamp(0.0, 1.0),
+            Texture::Noise => noise,
             Texture::Waves => waves,
             Texture::Islands => (3.0 * waves - 2.0).max(0.0),
+            Texture::Crumbs => {
+                let cube = ((p + (self.seed % 4) as f64) / 4.0).floor();
+                let full = random(self.seed, (cube.x + 16.0 * cube.y + 256.0 * cube.z) as usize) < 0.06;
+                if full { noise } else { 0.0 }
+            }
         }
     }
 

@@ -15,7 +15,7 @@ use pellucid_scene::{
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-use super::data::{Data, data};
+use super::data::{Data, Texture, data};
 use super::set_mode;
 
 /// A random scene.
@@ -82,6 +82,15 @@ pub fn case() -> impl Strategy<Value = Case> {
             }
             Case { data, opacities, hull, colors, view, light, clips, crop, quality, levels }
         })
+}
+
+/// Random scenes of several blocks, most of them empty.
+pub fn sparse_case() -> impl Strategy<Value = Case> {
+    (case(), [16usize..36, 16usize..36, 16usize..36]).prop_map(|(case, dims)| {
+        let data = Data { dims, texture: Texture::Crumbs, ..case.data };
+        // Room for a table's next node, or no block counts as empty.
+        Case { data, hull: [0.05, 1.0], ..case }
+    })
 }
 
 fn light() -> impl Strategy<Value = (Material, Vec<Light>, Option<GradientWeight>)> {
