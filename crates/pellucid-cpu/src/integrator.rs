@@ -25,6 +25,16 @@ impl Traced {
         samples: [0.0; MOST_LANES],
     };
 
+    /// What the ray in a lane found, where a step is so many world units.
+    pub fn ray(&self, lane: usize, packet: &Packet, step: f64) -> Found {
+        Found {
+            color: self.color.map(|lanes| lanes[lane]),
+            depth: (packet.entry[lane] + f64::from(self.depth[lane]) * step) as f32,
+            normal: self.normal.map(|lanes| lanes[lane]),
+            samples: self.samples[lane] as u32,
+        }
+    }
+
     /// Writes down colours.
     #[inline(always)]
     pub fn set_color<S: Lanes>(&mut self, color: [F32<S>; 4]) {
@@ -41,6 +51,19 @@ impl Traced {
             store::<S>(met.select(lanes, splat(s, 0.0)), place);
         }
     }
+}
+
+/// What one ray found.
+#[derive(Clone, Copy, Debug)]
+pub struct Found {
+    /// Associated linear RGBA.
+    pub color: [f32; 4],
+    /// Distance from the eye in world units; infinite where nothing was met.
+    pub depth: f32,
+    /// Unit world normal at that depth, or zero.
+    pub normal: [f32; 3],
+    /// Field samples taken.
+    pub samples: u32,
 }
 
 /// Counts of one or many packets.

@@ -189,7 +189,8 @@ impl<'s> Prepared<'s> {
     /// are too many steps long.
     pub fn new(stage: &'s Stage, volume: &'s StageVolume, cache: &mut Cache) -> Result<Self, RenderError> {
         let steps = longest(&volume.volume) / stage.step;
-        if !(steps < f64::from(MOST_STEPS)) {
+        let numbered = steps < f64::from(MOST_STEPS);
+        if !numbered {
             return Err(RenderError::Steps { found: steps, limit: MOST_STEPS });
         }
         Ok(Self { stage, volume, region: region(stage, volume), tables: cache.tables(stage, volume)? })

@@ -166,7 +166,9 @@ fn draw_tile(
             if control.is_cancelled() {
                 return Err(RenderError::Cancelled);
             }
-            (wave.clear(), traced.clear(), corners.clear());
+            wave.clear();
+            traced.clear();
+            corners.clear();
             for number in 0..WAVE * WAVE {
                 let (left, top) = (wave_left + number % WAVE * columns, wave_top + number / WAVE * rows);
                 for lane in 0..lanes {
@@ -180,13 +182,16 @@ fn draw_tile(
                 let hit = emitter.emit(&x, &y, &wanted, sub, &mut packet);
                 if hit > 0 {
                     tile.hit += hit;
-                    (wave.push(packet), traced.push(Traced::NOTHING), corners.push((left, top)));
+                    wave.push(packet);
+                    traced.push(Traced::NOTHING);
+                    corners.push((left, top));
                 }
             }
             integrator.trace(&wave, &mut traced, &mut tile.tally);
             for ((packet, traced), &(left, top)) in wave.iter().zip(&traced).zip(&corners) {
                 for lane in (0..lanes).filter(|&lane| packet.count[lane] > 0.0) {
-                    tile.add(left + lane % columns, top + lane / columns, lane, weight, packet, traced, stage.step);
+                    let found = traced.ray(lane, packet, stage.step);
+                    tile.add(left + lane % columns, top + lane / columns, weight, &found);
                 }
             }
         }

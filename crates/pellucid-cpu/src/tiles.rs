@@ -6,8 +6,7 @@ use pellucid_scene::{Control, Frame};
 use rayon::prelude::*;
 
 use crate::RenderError;
-use crate::integrator::{Tally, Traced};
-use crate::packet::Packet;
+use crate::integrator::{Found, Tally};
 
 /// Pixels per tile side: large enough to share voxels in cache, small enough to balance.
 pub const TILE: usize = 32;
@@ -58,18 +57,17 @@ impl Tile {
         (self.tally, self.hit) = (Tally::default(), 0);
     }
 
-    /// Adds what one ray of a packet found to a pixel: its share of the colour, and its surface if
-    /// it is the nearest of the pixel.
-    pub fn add(&mut self, x: usize, y: usize, lane: usize, weight: f32, packet: &Packet, traced: &Traced, step: f64) {
+    /// Adds what one ray found to its pixel: its share of the colour, and its surface if it is the
+    /// nearest of the pixel.
+    pub fn add(&mut self, x: usize, y: usize, weight: f32, found: &Found) {
         let pixel = y * self.width + x;
-        for channel in 0..4 {
-            self.color[pixel][channel] += traced.color[channel][lane] * weight;
+        for (sum, channel) in self.color[pixel].iter_mut().zip(found.color) {
+            *sum += channel * weight;
         }
-        self.samples[pixel] += traced.samples[lane] as u32;
-        let depth = (packet.entry[lane] + f64::from(traced.depth[lane]) * step) as f32;
-        if depth < self.depth[pixel] {
-            self.depth[pixel] = depth;
-            self.normal[pixel] = [0, 1, 2].map(|axis| traced.normal[axis][lane]);
+        self.samples[pixel] += found.samples;
+        if found.depth < self.depth[pixel] {
+            self.depth[pixel] = found.depth;
+            self.normal[pixel] = found.normal;
         }
     }
 }

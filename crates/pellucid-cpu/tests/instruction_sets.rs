@@ -67,7 +67,8 @@ fn modes() -> Vec<(Mode, Classification)> {
 
 /// How many pixels differ by more than rounding.
 fn different(a: &Frame, b: &Frame) -> usize {
-    let differs = |(a, b): (&[f32; 4], &[f32; 4])| (0..4).any(|c| !((a[c] - b[c]).abs() <= ROUNDING));
+    let differs =
+        |(a, b): (&[f32; 4], &[f32; 4])| (0..4).any(|c| (a[c] - b[c]).abs().is_nan() || (a[c] - b[c]).abs() > ROUNDING);
     a.color.iter().zip(&b.color).filter(|&pair| differs(pair)).count()
 }
 

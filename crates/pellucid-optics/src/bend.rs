@@ -44,7 +44,9 @@ impl Bend {
     /// The largest bend over values from `low` to `high` that change by up to `width`, in data
     /// units, to either side; between the widths that were tabulated, of the next larger one.
     pub fn over(&self, low: f32, high: f32, width: f32) -> f32 {
-        if !(low < high) {
+        // Also where the interval is empty or not a number.
+        let varies = low < high;
+        if !varies {
             return 0.0;
         }
         let bin = |value: f32| self.nodes.clamped_position(value) as usize / self.group;

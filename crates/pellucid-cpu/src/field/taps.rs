@@ -42,8 +42,8 @@ impl Bounds {
         let mut right = p[axis].simd_le(splat(s, self.last[axis] - 1.0 + TOLERANCE));
         for (normal, offset) in &self.planes {
             let above = dot::<S>(xyz!(I => splat(s, normal[I])), *p) - *offset;
-            left = left & above.simd_ge(splat(s, normal[axis] - TOLERANCE));
-            right = right & above.simd_ge(splat(s, -normal[axis] - TOLERANCE));
+            left &= above.simd_ge(splat(s, normal[axis] - TOLERANCE));
+            right &= above.simd_ge(splat(s, -normal[axis] - TOLERANCE));
         }
         [left, right]
     }
