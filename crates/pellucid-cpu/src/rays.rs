@@ -43,8 +43,8 @@ struct Plane {
 pub struct Emitter {
     set: InstructionSet,
     perspective: bool,
-    /// Half the size of the picture in pixels.
-    half: [f64; 2],
+    /// The middle of the picture in pixels.
+    middle: [f64; 2],
     /// Length of a pixel's side.
     pixel: f64,
     /// Rays in index space, and their directions in the world; both per unit of world length once
@@ -83,7 +83,7 @@ impl Emitter {
         Self {
             set,
             perspective: view.perspective,
-            half: [view.width as f64 / 2.0, view.height as f64 / 2.0],
+            middle: [view.width as f64 / 2.0 - view.shift.x, view.height as f64 / 2.0 - view.shift.y],
             pixel: 2.0 * view.half_height / view.height as f64,
             origin: Linear { middle: eye, right: index(from[0]), up: index(from[1]) },
             direction: Linear { middle: index(view.forward), right: index(to[0]), up: index(to[1]) },
@@ -121,8 +121,8 @@ impl Emitter {
                 let (mut t0, mut t1) = ([0.0; MOST_LANES], [f64::INFINITY; MOST_LANES]);
                 let (mut origin, mut direction) = ([[0.0; MOST_LANES]; 3], [[0.0; MOST_LANES]; 3]);
                 for lane in 0..n {
-                    a[lane] = (x[lane] - self.half[0]) * self.pixel;
-                    b[lane] = (self.half[1] - y[lane]) * self.pixel;
+                    a[lane] = (x[lane] - self.middle[0]) * self.pixel;
+                    b[lane] = (self.middle[1] - y[lane]) * self.pixel;
                 }
                 if self.perspective {
                     for lane in 0..n {

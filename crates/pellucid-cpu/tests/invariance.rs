@@ -8,7 +8,7 @@ use glam::DVec3;
 use pellucid_cpu::CpuRenderer;
 use pellucid_field::Volume;
 use pellucid_scene::{
-    Classification, Combine, Control, Frame, Isosurface, Isovalue, Jitter, Mode, Orbit, Scene, Slice, View,
+    Classification, Combine, Control, Frame, Isosurface, Isovalue, Jitter, Mode, Orbit, Projection, Scene, Slice, View,
 };
 use proptest::prelude::*;
 
@@ -125,5 +125,26 @@ fn projections_do_not_depend_on_the_order_of_values() {
     let draw = |flip| render(&stage(volume(flip), tf.clone(), |scene| set_mode(scene, Mode::Average)));
     for (a, b) in draw(false).color.iter().flatten().zip(draw(true).color.iter().flatten()) {
         assert!((a - b).abs() < 1e-6);
+    }
+}
+
+/// A view moved by whole pixels is the same picture, moved.
+#[test]
+fn a_shifted_view_is_a_shifted_picture() {
+    let tf = transfer_function(&[(0.0, 0x2040ff), (1.0, 0xffe0c0)], &[(0.1, 0.0), (0.8, 0.5)]);
+    for perspective in [true, false] {
+        let mut stage = stage(blobs([24; 3], 5), tf.clone(), |scene| {
+            if perspective {
+                scene.camera.projection = Projection::Perspective { vertical_fov: 40.0 };
+            }
+        });
+        let still = render(&stage);
+        stage.viewpoint = stage.viewpoint.shifted(3.0, -2.0);
+        let moved = render(&stage);
+        for (x, y) in (0..13).flat_map(|x| (2..16).map(move |y| (x, y))) {
+            let (from, to) = (still.color[(y - 2) * 16 + x + 3], moved.color[y * 16 + x]);
+            assert!((0..4).all(|c| (from[c] - to[c]).abs() < 1e-5), "{x}, {y}: {from:?} and {to:?}");
+        }
+        assert!(moved.statistics.samples_visible > 0);
     }
 }

@@ -62,6 +62,7 @@ fn table() -> Vec<(&'static [&'static str], &'static str, Value)> {
         (&["--classification", "pre-integrated"], "/quality/classification", json!("pre_integrated")),
         (&["--jitter", "blue-noise=7"], "/quality/jitter/blue_noise/seed", json!(7)),
         (&["--early-termination", "1"], "/quality/early_termination", json!(1.0)),
+        (&["--adaptive", "0.25"], "/quality/adaptive_tolerance", json!(0.25)),
         (&["--no-skip"], "/quality/empty_space_skipping", json!(false)),
         (&["--supersampling", "3"], "/quality/supersampling", json!(3)),
         (&["--clip", "0,-1,0,1,2,3"], "/clips/0/plane", json!({"normal": [0.0, -1.0, 0.0], "point": [1.0, 2.0, 3.0]})),
@@ -291,6 +292,7 @@ fn defaults_in_the_help_are_those_of_the_code() {
         ("--classification", "/quality/classification"),
         ("--jitter", "/quality/jitter"),
         ("--early-termination", "/quality/early_termination"),
+        ("--adaptive", "/quality/adaptive_tolerance"),
         ("--supersampling", "/quality/supersampling"),
         ("--component", "/volumes/0/component"),
     ] {

@@ -57,7 +57,7 @@ pub struct QualityFlags {
     early_termination: Option<f32>,
     /// Take longer steps where they change colour or opacity by no more than this, 0 to 1; 0 takes
     /// every sample [default: 0]
-    #[arg(long, value_name = "TOLERANCE")]
+    #[arg(long, value_name = "TOLERANCE", value_parser = values::number32, allow_hyphen_values = true)]
     adaptive: Option<f32>,
     /// Do not leap over empty blocks; the picture is the same, only slower
     #[arg(long)]
