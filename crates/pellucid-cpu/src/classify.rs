@@ -91,7 +91,7 @@ impl<'a> Lookup<'a> {
     }
 }
 
-/// The position of values among nodes.
+/// The position of values among nodes: the vectors' form of [`Nodes::position`].
 #[inline(always)]
 fn position<S: Lanes>(s: S, nodes: &Nodes, values: F32<S>) -> F32<S> {
     (values - splat(s, nodes.origin())) * nodes.scale()

@@ -2,7 +2,7 @@
 
 use crate::classify::{Classified, Classify, Segments, over_length};
 use crate::field::Field;
-use crate::integrator::{Counter, Integrator, Tally, Traced};
+use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
 use crate::packet::{Packet, Rays};
 use crate::samples::March;
@@ -164,18 +164,18 @@ impl<S: Lanes, F: Field<S>> Integrator for PreIntegrated<'_, S, F> {
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
         let (medium, s) = (&self.medium, self.medium.s);
-        s.vectorize(
+        one_by_one(
+            s,
+            wave,
+            traced,
+            tally,
             #[inline(always)]
-            || {
-                for (packet, traced) in wave.iter().zip(traced) {
-                    let rays = Rays::new(s, packet);
-                    let (mut ray, mut counter) = (medium.start(packet), Counter::new(s));
-                    let (skip, field) = (medium.skip, &medium.field);
-                    let mut compositing = Compositing { mode: self, rays: &rays, ray: &mut ray };
-                    each_segment(s, field, &rays, skip, &mut counter, &mut compositing);
-                    medium.finish(&ray, &rays, traced);
-                    counter.finish(traced, tally);
-                }
+            |packet, rays, traced, counter| {
+                let mut ray = medium.start(packet);
+                let (skip, field) = (medium.skip, &medium.field);
+                let mut compositing = Compositing { mode: self, rays, ray: &mut ray };
+                each_segment(s, field, rays, skip, counter, &mut compositing);
+                medium.finish(&ray, rays, traced);
             },
         );
     }

@@ -1,7 +1,7 @@
 //! What a mode is: something that turns the samples of a packet of rays into pixels.
 
 use crate::lanes::*;
-use crate::packet::{Packet, PerLane};
+use crate::packet::{Packet, PerLane, Rays};
 
 /// What the rays of a packet found.
 #[derive(Clone, Debug)]
@@ -150,4 +150,25 @@ pub trait Integrator: Sync {
     /// Packets of a wave may be followed in turns, so that they read the same voxels while these
     /// are near.
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally);
+}
+
+/// Follows the packets of a wave one after the other, with the instruction set switched on.
+#[inline(always)]
+pub fn one_by_one<S: Lanes>(
+    s: S,
+    wave: &[Packet],
+    traced: &mut [Traced],
+    tally: &mut Tally,
+    mut follow: impl FnMut(&Packet, &Rays<S>, &mut Traced, &mut Counter<S>),
+) {
+    s.vectorize(
+        #[inline(always)]
+        || {
+            for (packet, traced) in wave.iter().zip(traced) {
+                let (rays, mut counter) = (Rays::new(s, packet), Counter::new(s));
+                follow(packet, &rays, traced, &mut counter);
+                counter.finish(traced, tally);
+            }
+        },
+    );
 }

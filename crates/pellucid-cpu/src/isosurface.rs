@@ -4,7 +4,7 @@ use pellucid_optics::{ColorSpace, TransferFunction};
 use pellucid_scene::Isovalue;
 
 use crate::field::Field;
-use crate::integrator::{Counter, Integrator, Tally, Traced};
+use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
 use crate::packet::{Packet, Rays};
 use crate::segments::{Segment, Verdict, Visit, each_segment};
@@ -69,27 +69,26 @@ impl<S: Lanes, F: Field<S>> Integrator for Isosurfaces<'_, S, F> {
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
         let s = self.s;
-        s.vectorize(
+        one_by_one(
+            s,
+            wave,
+            traced,
+            tally,
             #[inline(always)]
-            || {
-                for (packet, traced) in wave.iter().zip(traced) {
-                    let rays = Rays::new(s, packet);
-                    let mut counter = Counter::new(s);
-                    let (zero, none) = (splat(s, 0.0), all(s, false));
-                    let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
-                    let aim = self.surface.as_ref().map(
-                        #[inline(always)]
-                        |surface| surface.aim(s, to_eye),
-                    );
-                    let met = Met { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], to_eye, aim };
-                    let crossed = Crossed { distance: [zero; 2], value: [zero; 2], lanes: none };
-                    let mut search = Search { mode: self, rays: &rays, crossed, met };
-                    each_segment(s, &self.field, &rays, self.skip, &mut counter, &mut search);
-                    let met = search.met;
-                    traced.set_color::<S>(met.color);
-                    traced.set_surface(s, met.depth.is_finite(), met.depth, met.normal);
-                    counter.finish(traced, tally);
-                }
+            |packet, rays, traced, counter| {
+                let (zero, none) = (splat(s, 0.0), all(s, false));
+                let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
+                let aim = self.surface.as_ref().map(
+                    #[inline(always)]
+                    |surface| surface.aim(s, to_eye),
+                );
+                let met = Met { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], to_eye, aim };
+                let crossed = Crossed { distance: [zero; 2], value: [zero; 2], lanes: none };
+                let mut search = Search { mode: self, rays, crossed, met };
+                each_segment(s, &self.field, rays, self.skip, counter, &mut search);
+                let met = search.met;
+                traced.set_color::<S>(met.color);
+                traced.set_surface(s, met.depth.is_finite(), met.depth, met.normal);
             },
         );
     }

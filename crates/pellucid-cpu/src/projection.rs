@@ -2,9 +2,9 @@
 
 use crate::classify::Lookup;
 use crate::field::Field;
-use crate::integrator::{Counter, Integrator, Tally, Traced};
+use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
-use crate::packet::{Packet, Rays};
+use crate::packet::Packet;
 use crate::samples::{March, RUN, Sample, sample};
 use crate::skip::{ExtremeGrid, SkipGrid};
 
@@ -31,40 +31,39 @@ impl<S: Lanes, F: Field<S>> Integrator for Extreme<'_, S, F> {
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
         let s = self.s;
-        s.vectorize(
+        one_by_one(
+            s,
+            wave,
+            traced,
+            tally,
             #[inline(always)]
-            || {
-                for (packet, traced) in wave.iter().zip(traced) {
-                    let rays = Rays::new(s, packet);
-                    let mut counter = Counter::new(s);
-                    // The smallest value is the largest with its sign turned.
-                    let sign = if self.minimum { -1.0 } else { 1.0 };
-                    let (mut best, mut depth) = (splat(s, f32::NEG_INFINITY), splat(s, f32::INFINITY));
-                    let mut k = splat(s, 0.0);
-                    while rays.has(k).any_true() {
-                        if let Some(skip) = self.skip {
-                            let to = skip.leap(s, &rays, k, best);
-                            counter.skip(to.min(rays.count) - k);
-                            k = to;
-                        }
-                        self.field.prefetch(s, rays.at(k + RUN as f32));
-                        for _ in 0..RUN {
-                            let Sample { distance, index, lanes, .. } = sample(s, &rays, k, rays.has(k));
-                            if !lanes.any_true() {
-                                break;
-                            }
-                            counter.sample(lanes);
-                            let value = self.field.values(s, index, lanes) * sign;
-                            let better = lanes & value.simd_gt(best);
-                            best = better.select(value, best);
-                            depth = better.select(distance, depth);
-                            k += 1.0;
-                        }
+            |_, rays, traced, counter| {
+                // The smallest value is the largest with its sign turned.
+                let sign = if self.minimum { -1.0 } else { 1.0 };
+                let (mut best, mut depth) = (splat(s, f32::NEG_INFINITY), splat(s, f32::INFINITY));
+                let mut k = splat(s, 0.0);
+                while rays.has(k).any_true() {
+                    if let Some(skip) = self.skip {
+                        let to = skip.leap(s, rays, k, best);
+                        counter.skip(to.min(rays.count) - k);
+                        k = to;
                     }
-                    let value = best.is_finite().select(best * sign, splat(s, f32::NAN));
-                    classified(s, &self.table, value, depth, self.opaque, traced, &mut counter);
-                    counter.finish(traced, tally);
+                    self.field.prefetch(s, rays.at(k + RUN as f32));
+                    for _ in 0..RUN {
+                        let Sample { distance, index, lanes, .. } = sample(s, rays, k, rays.has(k));
+                        if !lanes.any_true() {
+                            break;
+                        }
+                        counter.sample(lanes);
+                        let value = self.field.values(s, index, lanes) * sign;
+                        let better = lanes & value.simd_gt(best);
+                        best = better.select(value, best);
+                        depth = better.select(distance, depth);
+                        k += 1.0;
+                    }
                 }
+                let value = best.is_finite().select(best * sign, splat(s, f32::NAN));
+                classified(s, &self.table, value, depth, self.opaque, traced, counter);
             },
         );
     }
@@ -89,34 +88,33 @@ impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
         let s = self.s;
-        s.vectorize(
+        one_by_one(
+            s,
+            wave,
+            traced,
+            tally,
             #[inline(always)]
-            || {
-                for (packet, traced) in wave.iter().zip(traced) {
-                    let rays = Rays::new(s, packet);
-                    let mut counter = Counter::new(s);
-                    let (mut sum, mut length) = (splat(s, 0.0), splat(s, 0.0));
-                    let mut march = March::new(s, &rays);
-                    while march.run(
-                        s,
-                        &rays,
-                        None,
-                        &mut counter,
-                        |_| (),
-                        #[inline(always)]
-                        |sample, _| {
-                            let value = self.field.values(s, sample.index, sample.lanes);
-                            let present = sample.lanes & value.is_finite();
-                            sum = present.select(value.mul_add(sample.ratio, sum), sum);
-                            length = present.select(length + sample.ratio, length);
-                            all(s, false)
-                        },
-                    ) {}
-                    // An empty ray divides zero by zero: NaN, which is absent.
-                    let nowhere = splat(s, f32::INFINITY);
-                    classified(s, &self.table, sum / length, nowhere, self.opaque, traced, &mut counter);
-                    counter.finish(traced, tally);
-                }
+            |_, rays, traced, counter| {
+                let (mut sum, mut length) = (splat(s, 0.0), splat(s, 0.0));
+                let mut march = March::new(s, rays);
+                while march.run(
+                    s,
+                    rays,
+                    None,
+                    counter,
+                    |_| (),
+                    #[inline(always)]
+                    |sample, _| {
+                        let value = self.field.values(s, sample.index, sample.lanes);
+                        let present = sample.lanes & value.is_finite();
+                        sum = present.select(value.mul_add(sample.ratio, sum), sum);
+                        length = present.select(length + sample.ratio, length);
+                        all(s, false)
+                    },
+                ) {}
+                // An empty ray divides zero by zero: NaN, which is absent.
+                let nowhere = splat(s, f32::INFINITY);
+                classified(s, &self.table, sum / length, nowhere, self.opaque, traced, counter);
             },
         );
     }
@@ -166,38 +164,37 @@ impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
         /// Opacity 1 would shine infinitely; this one emits 9.2 times its colour per unit distance.
         const BRIGHTEST: f32 = 0.9999;
         let s = self.s;
-        s.vectorize(
+        one_by_one(
+            s,
+            wave,
+            traced,
+            tally,
             #[inline(always)]
-            || {
-                for (packet, traced) in wave.iter().zip(traced) {
-                    let rays = Rays::new(s, packet);
-                    let mut counter = Counter::new(s);
-                    let mut sum = [splat(s, 0.0); 3];
-                    let mut march = March::new(s, &rays);
-                    while march.run(
-                        s,
-                        &rays,
-                        self.skip,
-                        &mut counter,
-                        |_| (),
-                        #[inline(always)]
-                        |sample, counter| {
-                            let value = self.field.values(s, sample.index, sample.lanes);
-                            let [r, g, b, a] = self.table.lookup(s, value);
-                            let visible = sample.lanes & a.simd_gt(splat(s, 0.0));
-                            counter.see(visible);
-                            let depth = extinction(s, a.min(splat(s, BRIGHTEST))) * sample.ratio * self.step_ratio;
-                            let depth = visible.select(depth, splat(s, 0.0));
-                            for (sum, channel) in sum.iter_mut().zip([r, g, b]) {
-                                *sum = channel.mul_add(depth, *sum);
-                            }
-                            all(s, false)
-                        },
-                    ) {}
-                    let [r, g, b] = sum;
-                    traced.set_color::<S>([r, g, b, splat(s, 0.0)]);
-                    counter.finish(traced, tally);
-                }
+            |_, rays, traced, counter| {
+                let mut sum = [splat(s, 0.0); 3];
+                let mut march = March::new(s, rays);
+                while march.run(
+                    s,
+                    rays,
+                    self.skip,
+                    counter,
+                    |_| (),
+                    #[inline(always)]
+                    |sample, counter| {
+                        let value = self.field.values(s, sample.index, sample.lanes);
+                        let [r, g, b, a] = self.table.lookup(s, value);
+                        let visible = sample.lanes & a.simd_gt(splat(s, 0.0));
+                        counter.see(visible);
+                        let depth = extinction(s, a.min(splat(s, BRIGHTEST))) * sample.ratio * self.step_ratio;
+                        let depth = visible.select(depth, splat(s, 0.0));
+                        for (sum, channel) in sum.iter_mut().zip([r, g, b]) {
+                            *sum = channel.mul_add(depth, *sum);
+                        }
+                        all(s, false)
+                    },
+                ) {}
+                let [r, g, b] = sum;
+                traced.set_color::<S>([r, g, b, splat(s, 0.0)]);
             },
         );
     }
@@ -222,37 +219,36 @@ impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
         let s = self.s;
-        s.vectorize(
+        one_by_one(
+            s,
+            wave,
+            traced,
+            tally,
             #[inline(always)]
-            || {
-                for (packet, traced) in wave.iter().zip(traced) {
-                    let rays = Rays::new(s, packet);
-                    let mut counter = Counter::new(s);
-                    let mut through = splat(s, 1.0);
-                    let mut march = March::new(s, &rays);
-                    while march.run(
-                        s,
-                        &rays,
-                        self.skip,
-                        &mut counter,
-                        |_| (),
-                        #[inline(always)]
-                        |sample, counter| {
-                            let value = self.field.values(s, sample.index, sample.lanes);
-                            let mut alpha = self.table.lookup(s, value)[3];
-                            let visible = sample.lanes & alpha.simd_gt(splat(s, 0.0));
-                            counter.see(visible);
-                            if sample.shortened {
-                                let corrected = opacity_over(s, alpha, sample.ratio);
-                                alpha = sample.ratio.simd_lt(splat(s, 1.0)).select(corrected, alpha);
-                            }
-                            through = visible.select(through - through * alpha, through);
-                            all(s, false)
-                        },
-                    ) {}
-                    traced.set_color::<S>([splat(s, 1.0) - through; 4]);
-                    counter.finish(traced, tally);
-                }
+            |_, rays, traced, counter| {
+                let mut through = splat(s, 1.0);
+                let mut march = March::new(s, rays);
+                while march.run(
+                    s,
+                    rays,
+                    self.skip,
+                    counter,
+                    |_| (),
+                    #[inline(always)]
+                    |sample, counter| {
+                        let value = self.field.values(s, sample.index, sample.lanes);
+                        let mut alpha = self.table.lookup(s, value)[3];
+                        let visible = sample.lanes & alpha.simd_gt(splat(s, 0.0));
+                        counter.see(visible);
+                        if sample.shortened {
+                            let corrected = opacity_over(s, alpha, sample.ratio);
+                            alpha = sample.ratio.simd_lt(splat(s, 1.0)).select(corrected, alpha);
+                        }
+                        through = visible.select(through - through * alpha, through);
+                        all(s, false)
+                    },
+                ) {}
+                traced.set_color::<S>([splat(s, 1.0) - through; 4]);
             },
         );
     }

@@ -80,7 +80,8 @@ impl CpuRenderer {
         Ok(frame)
     }
 
-    /// Draws a frame into one that is there; nothing is allocated if it has the right size.
+    /// Draws a frame into one that is there; the memory of its pictures is used again if they have
+    /// the right size.
     ///
     /// # Errors
     /// [`RenderError`]; the frame is then what it was before.

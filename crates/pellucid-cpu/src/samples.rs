@@ -67,13 +67,13 @@ impl<S: Lanes> March<S> {
             if !open.any_true() {
                 return false;
             }
-            if number % 2 == 0 {
-                prefetch(rays.at(k + RUN as f32));
-            }
             let (sample, stride) = match &strides {
                 None => (sample(s, rays, k, open), splat(s, 1.0)),
                 Some(strides) => (strides.sample(s, rays, k, open), strides.length),
             };
+            if number % 2 == 0 {
+                prefetch(rays.at(stride.mul_add(splat(s, RUN as f32), k)));
+            }
             counter.sample(open);
             let done = see(&sample, counter) & open;
             counter.terminate(done);

@@ -5,9 +5,9 @@ use pellucid_field::Grid;
 
 use crate::classify::Lookup;
 use crate::field::Field;
-use crate::integrator::{Counter, Integrator, Tally, Traced};
+use crate::integrator::{Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
-use crate::packet::{Packet, Rays};
+use crate::packet::Packet;
 use crate::projection::classified;
 
 /// The field on a plane, coloured at full opacity. (A slab of some thickness is a projection over
@@ -47,26 +47,25 @@ impl<S: Lanes, F: Field<S>> Integrator for Plane<'_, S, F> {
         /// Rounding must not cut a plane out of the border of the volume, in steps.
         const TOLERANCE: f32 = 1e-4;
         let s = self.s;
-        s.vectorize(
+        one_by_one(
+            s,
+            wave,
+            traced,
+            tally,
             #[inline(always)]
-            || {
-                for (packet, traced) in wave.iter().zip(traced) {
-                    let rays = Rays::new(s, packet);
-                    let mut counter = Counter::new(s);
-                    let normal = xyz!(I => splat(s, self.index_normal[I]));
-                    let along = dot::<S>(rays.direction, normal);
-                    let distance = (splat(s, self.offset) - dot::<S>(rays.origin, normal)) / along;
-                    // Also false for the NaN and infinity of a ray along the plane.
-                    let after = distance.simd_ge(splat(s, -TOLERANCE));
-                    let met = rays.has(splat(s, 0.0)) & after & distance.simd_le(rays.length() + TOLERANCE);
-                    counter.sample(met);
-                    let distance = met.select(distance, splat(s, 0.0));
-                    let value = self.field.values(s, rays.at(distance), met);
-                    let value = met.select(value, splat(s, f32::NAN));
-                    classified(s, &self.table, value, distance, true, traced, &mut counter);
-                    traced.set_surface(s, value.is_finite(), distance, xyz!(I => splat(s, self.normal[I])));
-                    counter.finish(traced, tally);
-                }
+            |_, rays, traced, counter| {
+                let normal = xyz!(I => splat(s, self.index_normal[I]));
+                let along = dot::<S>(rays.direction, normal);
+                let distance = (splat(s, self.offset) - dot::<S>(rays.origin, normal)) / along;
+                // Also false for the NaN and infinity of a ray along the plane.
+                let after = distance.simd_ge(splat(s, -TOLERANCE));
+                let met = rays.has(splat(s, 0.0)) & after & distance.simd_le(rays.length() + TOLERANCE);
+                counter.sample(met);
+                let distance = met.select(distance, splat(s, 0.0));
+                let value = self.field.values(s, rays.at(distance), met);
+                let value = met.select(value, splat(s, f32::NAN));
+                classified(s, &self.table, value, distance, true, traced, counter);
+                traced.set_surface(s, value.is_finite(), distance, xyz!(I => splat(s, self.normal[I])));
             },
         );
     }
