@@ -73,3 +73,14 @@ fn the_tolerance_bounds_the_error() {
     }
     assert!(2 * samples < exact.statistics.samples, "{samples} of {}", exact.statistics.samples);
 }
+
+/// A stride that begins in a smooth block must not run over the sheet behind it (7.3-3, pitfall).
+#[test]
+fn long_steps_never_jump_over_a_thin_sheet() {
+    let tf = || transfer_function(&[(0.0, 0xffffff)], &[(0.0, 0.001), (0.5, 0.001), (0.6, 0.9), (0.7, 0.001)]);
+    for sheet in [34.0, 37.0, 41.0, 45.0] {
+        let volume = || unit_volume([24, 96, 24], |p| if p.y == sheet { 0.6 } else { 0.2 });
+        let difference = largest_difference(&draw(volume(), tf(), 0.0), &draw(volume(), tf(), 0.02));
+        assert!(difference < 1e-4, "sheet at {sheet}: {difference}");
+    }
+}
