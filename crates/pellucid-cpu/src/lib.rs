@@ -9,7 +9,6 @@
 
 mod classify;
 mod composite;
-mod distance;
 mod error;
 mod field;
 mod integrator;

@@ -10,7 +10,7 @@ use crate::field::{Any, Bounds, Entered, Field, General, Probe, Texel, Trilinear
 use crate::integrator::Integrator;
 use crate::isosurface::{Isosurfaces, Level};
 use crate::lanes::{InstructionSet, Lanes, dispatch};
-use crate::prepare::{Prepared, mode, plane};
+use crate::prepare::Prepared;
 use crate::projection::{Additive, Average, Extreme, XRay};
 use crate::slice::Plane;
 use crate::surface::Surface;
@@ -29,7 +29,7 @@ impl Prepared<'_> {
     /// inside their loops. All others ask the field by one virtual call a packet.
     fn integrator_in<'a, S: Lanes>(&'a self, s: S, sampler: Sampler<'a>) -> Box<dyn Integrator + 'a> {
         let classification = self.stage.quality.classification;
-        let common = match mode(self.stage) {
+        let common = match self.stage.mode() {
             Mode::Composite => classification != Classification::Pre,
             Mode::Maximum | Mode::Minimum | Mode::Isosurface(_) => true,
             _ => false,
@@ -88,7 +88,7 @@ impl Prepared<'_> {
 
     fn common<'a, S: Lanes, F: Field<S> + 'a>(&'a self, s: S, field: F) -> Box<dyn Integrator + 'a> {
         let early_termination = self.stage.quality.early_termination;
-        match mode(self.stage) {
+        match self.stage.mode() {
             Mode::Maximum => self.extreme(s, field, false, false),
             Mode::Minimum => self.extreme(s, field, true, false),
             Mode::Isosurface(isosurface) => {
@@ -120,7 +120,7 @@ impl Prepared<'_> {
     }
 
     fn rare<'a, S: Lanes>(&'a self, s: S, field: Any<'a, S>) -> Box<dyn Integrator + 'a> {
-        match mode(self.stage) {
+        match self.stage.mode() {
             Mode::Average => Box::new(Average { s, field, table: Lookup::of_table(&self.tables.table), opaque: false }),
             Mode::Additive => {
                 let skip = self.tables.skip.as_ref();
@@ -132,7 +132,7 @@ impl Prepared<'_> {
                 Box::new(XRay { s, field, table: Lookup::of_steps(&self.tables.step_table), skip })
             }
             Mode::Slice(slice) if slice.thickness == 0.0 => {
-                let (point, normal) = plane(self.stage, self.volume, slice);
+                let (point, normal) = self.stage.slice_plane(self.volume, slice);
                 Box::new(Plane::new(s, field, Lookup::of_table(&self.tables.table), self.grid(), point, normal))
             }
             Mode::Slice(slice) => match slice.combine {

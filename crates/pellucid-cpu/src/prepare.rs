@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
 use pellucid_field::{Blocks, FieldError, Filter, Grid, Volume, spline_coefficients};
 use pellucid_optics::{DataRange, PreIntegration, StepTable, Table, TransferFunction, Visibility};
-use pellucid_scene::{Classification, Combine, Mode, Quality, RayCast, Region, Slice, Stage, StageVolume, Technique};
+use pellucid_scene::{Classification, Combine, Mode, Quality, Region, Slice, Stage, StageVolume};
 
 use crate::RenderError;
 use crate::skip::{ExtremeGrid, SkipGrid};
@@ -61,7 +60,7 @@ impl Cache {
             step: stage.step,
             unit_distance: volume.unit_distance(),
             quality: stage.quality.clone(),
-            mode: mode(stage).clone(),
+            mode: stage.mode().clone(),
         };
         match &self.tables {
             Some((of, tables)) if Arc::ptr_eq(&tables.volume, &volume.volume) && *of == settings => Ok(tables.clone()),
@@ -113,7 +112,7 @@ impl Tables {
         let ratio = stage.step / volume.unit_distance();
         let table = Table::for_data(tf, &range)?;
         let step_table = StepTable::new(&table, ratio as f32)?;
-        let composited = matches!(mode(stage), Mode::Composite);
+        let composited = matches!(stage.mode(), Mode::Composite);
         let preintegration = (composited && quality.classification == Classification::PreIntegrated)
             .then(|| PreIntegration::for_data(tf, &range, ratio))
             .transpose()?;
@@ -123,11 +122,11 @@ impl Tables {
         };
         let visible = |low, high| visibility.any_opacity(low, high);
         // Min-max blocks bound a sample only if no weight is negative.
-        let bounded = field_is_bounded(quality.filter, quality.classification, composited);
+        let bounded = stage.is_bounded_by_voxels();
         let blocks = (quality.empty_space_skipping && bounded)
             .then(|| cache.blocks(&volume.volume, volume.component, filter.half_width() - 1))
             .transpose()?;
-        let extremes = blocks.as_ref().and_then(|blocks| match mode(stage) {
+        let extremes = blocks.as_ref().and_then(|blocks| match stage.mode() {
             Mode::Minimum | Mode::Slice(Slice { combine: Combine::Minimum, .. }) => {
                 Some(ExtremeGrid::new(blocks, true))
             }
@@ -136,7 +135,7 @@ impl Tables {
             }
             _ => None,
         });
-        let mut skip = blocks.as_ref().and_then(|blocks| match mode(stage) {
+        let mut skip = blocks.as_ref().and_then(|blocks| match stage.mode() {
             Mode::Composite | Mode::Additive | Mode::XRay => Some(SkipGrid::new(blocks, visible)),
             Mode::Isosurface(isosurface) => {
                 let levels: Vec<f32> = isosurface.isovalues.iter().map(|iso| iso.value as f32).collect();
@@ -188,12 +187,12 @@ impl<'s> Prepared<'s> {
     /// [`RenderError::Optics`] if the data's range cannot be tabulated, [`RenderError::Steps`] if rays
     /// are too many steps long.
     pub fn new(stage: &'s Stage, volume: &'s StageVolume, cache: &mut Cache) -> Result<Self, RenderError> {
-        let steps = longest(&volume.volume) / stage.step;
+        let steps = stage.most_steps(volume);
         let numbered = steps < f64::from(MOST_STEPS);
         if !numbered {
             return Err(RenderError::Steps { found: steps, limit: MOST_STEPS });
         }
-        Ok(Self { stage, volume, region: region(stage, volume), tables: cache.tables(stage, volume)? })
+        Ok(Self { stage, volume, region: stage.region(volume), tables: cache.tables(stage, volume)? })
     }
 
     /// The grid all positions refer to.
@@ -204,45 +203,3 @@ impl<'s> Prepared<'s> {
 
 /// Steps are numbered in `f32`, which counts to here without a gap.
 const MOST_STEPS: u32 = 1 << 24;
-
-/// The diagonal of a volume's box, in world units: no ray is longer inside.
-fn longest(volume: &Volume) -> f64 {
-    let grid = volume.grid();
-    let (low, high) = grid.index_bounds();
-    let corner = |signs: [f64; 3]| grid.world_from_index().transform_vector3((high - low) * DVec3::from_array(signs));
-    let diagonals = [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0]];
-    diagonals.map(|signs| corner(signs).length()).into_iter().fold(0.0, f64::max)
-}
-
-/// What is made of the samples.
-pub fn mode(stage: &Stage) -> &Mode {
-    let Technique::RayCast(RayCast { mode }) = &stage.technique;
-    mode
-}
-
-/// Whether every classified value lies within the range of the voxels around it. Pre-classified
-/// samples blend colours of voxels, which are zero wherever the voxels' are, whatever the weights.
-fn field_is_bounded(filter: Filter, classification: Classification, composited: bool) -> bool {
-    filter.is_positive() || (composited && classification == Classification::Pre)
-}
-
-/// The clips of a volume and, for a thick slice, the planes of its slab.
-fn region(stage: &Stage, volume: &StageVolume) -> Region {
-    let mut region = volume.region.clone();
-    if let Mode::Slice(slice) = mode(stage)
-        && slice.thickness > 0.0
-    {
-        let (point, normal) = plane(stage, volume, slice);
-        let half = normal * (slice.thickness / 2.0);
-        region.keep(normal, point - half);
-        region.keep(-normal, point + half);
-    }
-    region
-}
-
-/// A slice's point and unit normal, with their automatic values filled in.
-pub fn plane(stage: &Stage, volume: &StageVolume, slice: &Slice) -> (DVec3, DVec3) {
-    let point = slice.point.map_or_else(|| volume.volume.grid().center(), DVec3::from_array);
-    let normal = slice.normal.map_or(-stage.viewpoint.forward, DVec3::from_array);
-    (point, normal.normalize())
-}

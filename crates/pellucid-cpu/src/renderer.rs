@@ -131,17 +131,9 @@ fn render(
     };
     frame.warnings.clear();
     if tally.visible == 0 {
-        frame.warnings.push(RenderWarning::Empty { reason: why_empty(rays_hit) });
+        frame.warnings.push(RenderWarning::empty(rays_hit));
     }
     Ok(())
-}
-
-fn why_empty(rays_hit: u64) -> String {
-    if rays_hit == 0 {
-        "no ray meets the volume; look at the camera and the clips".to_owned()
-    } else {
-        "the rays meet the volume but no sample has opacity; look at the transfer function and the window".to_owned()
-    }
 }
 
 /// Packets per side of a wave: those that are followed in turns.

@@ -3,9 +3,8 @@
 //! Leaps go from lattice sample to lattice sample and only over samples that add exactly nothing,
 //! so the picture is the same to the bit with skipping on and off.
 
-use pellucid_field::Blocks;
+use pellucid_field::{Blocks, distances};
 
-use crate::distance::distances;
 use crate::lanes::*;
 use crate::packet::Rays;
 
@@ -99,7 +98,7 @@ impl SkipGrid {
         let mut distance = distances(blocks.dims(), |block| {
             let range = ranges[block];
             range != Blocks::ABSENT && {
-                let [low, high] = widened(range);
+                let [low, high] = Blocks::interpolated(range);
                 live(low, high)
             }
         });
@@ -167,13 +166,6 @@ pub enum Leap {
     Segments,
 }
 
-/// The range of values interpolated in a block, with room for rounding; exact where all voxels
-/// are equal.
-fn widened([low, high]: [f32; 2]) -> [f32; 2] {
-    let room = if low < high { 1e-6 * low.abs().max(high.abs()) } else { 0.0 };
-    [low - room, high + room]
-}
-
 /// The largest or the smallest values of blocks, for projections of extremes.
 pub struct ExtremeGrid {
     layout: Layout,
@@ -184,7 +176,7 @@ impl ExtremeGrid {
     /// The largest values, or the smallest with their signs turned.
     pub fn new(blocks: &Blocks, minimum: bool) -> Self {
         let extreme = |&range: &[f32; 2]| {
-            let [low, high] = widened(range);
+            let [low, high] = Blocks::interpolated(range);
             if minimum { -low } else { high }
         };
         Self { layout: Layout::new(blocks), extremes: blocks.ranges().iter().map(extreme).collect() }

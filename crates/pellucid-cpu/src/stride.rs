@@ -1,9 +1,8 @@
 //! Longer steps where nothing is missed: the importance of every block (7.3-3, 7.3-4).
 
-use pellucid_field::Blocks;
+use pellucid_field::{Blocks, distances};
 use pellucid_optics::{Bend, OpticsError, StepTable, Table};
 
-use crate::distance::distances;
 use crate::samples::RUN;
 
 /// Strides are powers of two: 1, 2 and 4 steps.

@@ -71,6 +71,13 @@ impl Blocks {
         (range != Self::ABSENT).then_some(range)
     }
 
+    /// The range of values interpolated in a block whose voxels have this one, with room for rounding;
+    /// exact where all voxels are equal.
+    pub fn interpolated([low, high]: [f32; 2]) -> [f32; 2] {
+        let room = if low < high { 1e-6 * low.abs().max(high.abs()) } else { 0.0 };
+        [low - room, high + room]
+    }
+
     /// The block a position in index space lies in; outside the grid, the nearest one.
     pub fn block_at(&self, index: DVec3) -> [usize; 3] {
         [0, 1, 2].map(|axis| ((index[axis] / self.size as f64).max(0.0) as usize).min(self.dims[axis] - 1))

@@ -14,6 +14,7 @@
 mod blocks;
 pub mod closed_form;
 mod crop;
+mod distance;
 mod error;
 mod filter;
 mod gradient;
@@ -29,6 +30,7 @@ mod voxels;
 
 pub use blocks::Blocks;
 pub use crop::crop;
+pub use distance::distances;
 pub use error::{FieldError, Warning};
 pub use filter::{
     Filter, MAX_HALF_WIDTH, SincWindow, Weights, bspline_derivative_weights, bspline_second_derivative_weights,

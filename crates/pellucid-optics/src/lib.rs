@@ -33,7 +33,7 @@ pub use color::{Color, ColorSpace, luminance, srgb_decode, srgb_encode, srgb8};
 pub use colormap::ColorMap;
 pub use control_point::{ColorPoint, Interpolation, OpacityPoint};
 pub use error::OpticsError;
-pub use light::{Falloff, Frame, Incident, Light, LightKind, ResolvedLight};
+pub use light::{Falloff, Frame, Incident, Light, LightCone, LightKind, LightShape, ResolvedLight};
 pub use lighting::Lighting;
 pub use material::Material;
 pub use nodes::{DataRange, Nodes};

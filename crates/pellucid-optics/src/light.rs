@@ -138,9 +138,9 @@ impl Light {
             }
         };
         let shape = match self.kind {
-            LightKind::Directional { direction: d } => Shape::Directional { to_light: -direction(d)? },
+            LightKind::Directional { direction: d } => LightShape::Directional { to_light: -direction(d)? },
             LightKind::Point { position: p, falloff } => {
-                Shape::Local { position: position(p)?, reference: reference(falloff)?, cone: None }
+                LightShape::Local { position: position(p)?, reference: reference(falloff)?, cone: None }
             }
             LightKind::Spot { position: p, direction: d, inner_angle, outer_angle, falloff } => {
                 checked("inner angle of a spot light", inner_angle, 0.0..=180.0, "0 to 180 degrees")?;
@@ -151,8 +151,8 @@ impl Light {
                     "the inner angle to 180 degrees",
                 )?;
                 let [inner, outer] = [inner_angle, outer_angle].map(|angle| angle.to_radians().cos() as f32);
-                let cone = Cone { axis: direction(d)?, inner, outer };
-                Shape::Local { position: position(p)?, reference: reference(falloff)?, cone: Some(cone) }
+                let cone = LightCone { axis: direction(d)?, inner, outer };
+                LightShape::Local { position: position(p)?, reference: reference(falloff)?, cone: Some(cone) }
             }
         };
         let radiance = self.color.to_linear(ColorSpace::Srgb).map(|v| v * self.intensity);
@@ -163,23 +163,39 @@ impl Light {
 /// A light in world coordinates and linear light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResolvedLight {
-    shape: Shape,
+    shape: LightShape,
     radiance: [f32; 3],
     specular: bool,
 }
 
+/// Where a light is and where it shines.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Shape {
-    Directional { to_light: Vec3 },
-    Local { position: Vec3, reference: Option<f32>, cone: Option<Cone> },
+pub enum LightShape {
+    /// From the same side everywhere.
+    Directional {
+        /// Unit vector.
+        to_light: Vec3,
+    },
+    /// From a point.
+    Local {
+        /// In the world.
+        position: Vec3,
+        /// The distance at which the radiance holds, if it falls off.
+        reference: Option<f32>,
+        /// Into a cone instead of everywhere.
+        cone: Option<LightCone>,
+    },
 }
 
-/// Cosines, so that no angle has to be computed.
+/// The cone of a spot light, by cosines, so that no angle has to be computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Cone {
-    axis: Vec3,
-    inner: f32,
-    outer: f32,
+pub struct LightCone {
+    /// Unit vector along its middle.
+    pub axis: Vec3,
+    /// Cosine of the angle up to which it has its full strength.
+    pub inner: f32,
+    /// Cosine of the angle from which on it has none.
+    pub outer: f32,
 }
 
 /// A light as it reaches a point.
@@ -196,14 +212,29 @@ pub struct Incident {
 impl ResolvedLight {
     /// Whether the light is the same everywhere.
     pub fn is_directional(&self) -> bool {
-        matches!(self.shape, Shape::Directional { .. })
+        matches!(self.shape, LightShape::Directional { .. })
+    }
+
+    /// Where it is and where it shines.
+    pub fn shape(&self) -> LightShape {
+        self.shape
+    }
+
+    /// Its linear RGB radiance, where it is not weakened.
+    pub fn radiance(&self) -> [f32; 3] {
+        self.radiance
+    }
+
+    /// Whether it makes highlights.
+    pub fn is_specular(&self) -> bool {
+        self.specular
     }
 
     /// The light at a point of the world, if nothing is in between.
     pub fn incident(&self, at: Vec3) -> Incident {
         let (to_light, strength) = match self.shape {
-            Shape::Directional { to_light } => (to_light, 1.0),
-            Shape::Local { position, reference, cone } => {
+            LightShape::Directional { to_light } => (to_light, 1.0),
+            LightShape::Local { position, reference, cone } => {
                 let path = position - at;
                 let distance = path.length();
                 // At the light itself there is no direction it could come from.
@@ -221,7 +252,7 @@ impl ResolvedLight {
     }
 }
 
-impl Cone {
+impl LightCone {
     /// 1 within the inner angle, 0 outside the outer one, smooth in between.
     fn strength(&self, direction: Vec3) -> f32 {
         let cosine = self.axis.dot(direction);

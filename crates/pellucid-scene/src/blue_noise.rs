@@ -14,10 +14,15 @@ const CELLS: usize = TILE * TILE;
 pub fn blue_noise(x: usize, y: usize, seed: u32) -> f64 {
     static RANKS: OnceLock<Vec<u16>> = OnceLock::new();
     let ranks = RANKS.get_or_init(void_and_cluster);
-    // Weyl steps: seeds that follow each other land far apart.
-    let shift = |factor: u32| (seed.wrapping_mul(factor) >> 20) as usize;
-    let (x, y) = ((x + shift(0x9E37_79B9)) % TILE, (y + shift(0x85EB_CA6B)) % TILE);
+    let [right, down] = blue_noise_shift(seed).map(|shift| shift as usize);
+    let (x, y) = ((x + right) % TILE, (y + down) % TILE);
     (f64::from(ranks[y * TILE + x]) + 0.5) / CELLS as f64
+}
+
+/// How many pixels a seed shifts the tile.
+pub fn blue_noise_shift(seed: u32) -> [u32; 2] {
+    // Weyl steps: seeds that follow each other land far apart.
+    [0x9E37_79B9u32, 0x85EB_CA6B].map(|factor| seed.wrapping_mul(factor) >> 20)
 }
 
 /// Which cells are set, and how crowded every cell is.

@@ -57,6 +57,18 @@ pub enum RenderWarning {
     },
 }
 
+impl RenderWarning {
+    /// The picture is empty although this many rays met the volume.
+    pub fn empty(rays_hit: u64) -> Self {
+        let reason = if rays_hit == 0 {
+            "no ray meets the volume; look at the camera and the clips"
+        } else {
+            "the rays meet the volume but no sample has opacity; look at the transfer function and the window"
+        };
+        Self::Empty { reason: reason.to_owned() }
+    }
+}
+
 impl fmt::Display for RenderWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

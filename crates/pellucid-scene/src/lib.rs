@@ -22,9 +22,10 @@ mod quality;
 mod resolve;
 mod scene;
 mod srgb8;
+mod stage;
 mod technique;
 
-pub use blue_noise::blue_noise;
+pub use blue_noise::{TILE as BLUE_NOISE_TILE, blue_noise, blue_noise_shift};
 pub use camera::{Camera, LookAt, Orbit, Projection, Ray, View, Viewpoint};
 pub use check::Invalid;
 pub use choice::Choice;

@@ -40,12 +40,14 @@ mod renderer;
 mod save;
 
 pub use load::{LoadError, load};
-pub use pellucid_cpu::{InstructionSet, RenderError};
+pub use pellucid_cpu::InstructionSet;
 pub use progressive::{Picture, Progressive, Step};
-pub use renderer::{Backend, Renderer};
+pub use renderer::{Backend, RenderError, Renderer};
 pub use save::{PngDepth, SaveError, save, save_exr, save_png};
 
 pub use pellucid_field as field;
+#[cfg(feature = "gpu")]
+pub use pellucid_gpu as gpu;
 pub use pellucid_io as io;
 pub use pellucid_optics as optics;
 pub use pellucid_scene as scene;

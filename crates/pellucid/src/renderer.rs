@@ -2,18 +2,24 @@
 
 use std::fmt;
 
-use pellucid_cpu::{CpuRenderer, InstructionSet, RenderError};
+use pellucid_cpu::{CpuRenderer, InstructionSet};
+#[cfg(feature = "gpu")]
+use pellucid_gpu::{AdapterChoice, Ceiling, GpuRenderer};
 use pellucid_scene::{Control, Frame, Stage};
 
 /// What draws a stage. Every backend draws the same picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Backend {
-    /// The fastest one there is.
+    /// The fastest one there is: graphics hardware, or the processor if there is none. A graphics
+    /// driver that runs on the processor is never taken.
     #[default]
     Auto,
     /// Rays on all processor cores.
     Cpu,
+    /// A graphics processor, through Vulkan, Metal or DX12.
+    #[cfg(feature = "gpu")]
+    Gpu,
 }
 
 impl fmt::Display for Backend {
@@ -21,24 +27,91 @@ impl fmt::Display for Backend {
         f.write_str(match self {
             Self::Auto => "auto",
             Self::Cpu => "cpu",
+            #[cfg(feature = "gpu")]
+            Self::Gpu => "gpu",
         })
     }
 }
 
+/// Why a frame was not drawn.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// The caller cancelled.
+    #[error("cancelled")]
+    Cancelled,
+    /// What the CPU backend says.
+    #[error(transparent)]
+    Cpu(pellucid_cpu::RenderError),
+    /// What the GPU backend says.
+    #[cfg(feature = "gpu")]
+    #[error(transparent)]
+    Gpu(pellucid_gpu::GpuError),
+}
+
+impl From<pellucid_cpu::RenderError> for RenderError {
+    fn from(error: pellucid_cpu::RenderError) -> Self {
+        match error {
+            pellucid_cpu::RenderError::Cancelled => Self::Cancelled,
+            error => Self::Cpu(error),
+        }
+    }
+}
+
+#[cfg(feature = "gpu")]
+impl From<pellucid_gpu::GpuError> for RenderError {
+    fn from(error: pellucid_gpu::GpuError) -> Self {
+        match error {
+            pellucid_gpu::GpuError::Cancelled => Self::Cancelled,
+            error => Self::Gpu(error),
+        }
+    }
+}
+
 /// Draws stages. Keep one for several frames: what depends on the data alone is made once.
-#[derive(Default)]
 pub struct Renderer {
-    cpu: CpuRenderer,
+    engine: Engine,
+}
+
+enum Engine {
+    Cpu(CpuRenderer),
+    #[cfg(feature = "gpu")]
+    Gpu(Box<GpuRenderer>),
+}
+
+impl Default for Renderer {
+    fn default() -> Self {
+        CpuRenderer::new().into()
+    }
+}
+
+impl From<CpuRenderer> for Renderer {
+    fn from(renderer: CpuRenderer) -> Self {
+        Self { engine: Engine::Cpu(renderer) }
+    }
+}
+
+#[cfg(feature = "gpu")]
+impl From<GpuRenderer> for Renderer {
+    fn from(renderer: GpuRenderer) -> Self {
+        Self { engine: Engine::Gpu(Box::new(renderer)) }
+    }
 }
 
 impl Renderer {
-    /// A renderer on all cores.
+    /// A renderer on all cores, or on the best graphics hardware.
     ///
     /// # Errors
     /// [`RenderError`] if the backend is not to be had; the CPU always is.
     pub fn new(backend: Backend) -> Result<Self, RenderError> {
         match backend {
-            Backend::Auto | Backend::Cpu => Ok(Self::default()),
+            Backend::Cpu => Ok(Self::default()),
+            #[cfg(not(feature = "gpu"))]
+            Backend::Auto => Ok(Self::default()),
+            #[cfg(feature = "gpu")]
+            Backend::Auto => Ok(hardware().map_or_else(|_| Self::default(), Self::from)),
+            #[cfg(feature = "gpu")]
+            Backend::Gpu => Ok(hardware()?.into()),
         }
     }
 
@@ -46,30 +119,52 @@ impl Renderer {
     /// on their number.
     ///
     /// # Errors
-    /// [`RenderError::Threads`] if there are none, too many, or the system refuses them.
+    /// [`RenderError::Cpu`] if there are none, too many, or the system refuses them.
     pub fn with_threads(backend: Backend, threads: usize) -> Result<Self, RenderError> {
-        match backend {
-            Backend::Auto | Backend::Cpu => Ok(Self { cpu: CpuRenderer::with_threads(threads)? }),
-        }
+        let cpu = CpuRenderer::with_threads(threads)?;
+        let renderer = Self::new(backend)?;
+        Ok(if matches!(renderer.engine, Engine::Cpu(_)) { cpu.into() } else { renderer })
     }
 
-    /// The same renderer with other processor instructions. The picture depends on them by
-    /// roundings only.
+    /// The same renderer with other processor instructions, if the processor draws. The picture
+    /// depends on them by roundings only.
     ///
     /// # Errors
-    /// [`RenderError::Instructions`] if the machine lacks them.
+    /// [`RenderError::Cpu`] if the machine lacks them.
     pub fn with_instructions(self, set: InstructionSet) -> Result<Self, RenderError> {
-        Ok(Self { cpu: self.cpu.with_instructions(set)? })
+        Ok(match self.engine {
+            Engine::Cpu(cpu) => cpu.with_instructions(set)?.into(),
+            #[cfg(feature = "gpu")]
+            engine @ Engine::Gpu(_) => Self { engine },
+        })
     }
 
-    /// The processor instructions that are used; never [`InstructionSet::Auto`].
-    pub fn instructions(&self) -> InstructionSet {
-        self.cpu.instructions()
+    /// The processor instructions that are used, never [`InstructionSet::Auto`]; `None` if another
+    /// processor draws.
+    pub fn instructions(&self) -> Option<InstructionSet> {
+        match &self.engine {
+            Engine::Cpu(cpu) => Some(cpu.instructions()),
+            #[cfg(feature = "gpu")]
+            Engine::Gpu(_) => None,
+        }
     }
 
     /// The backend that draws; never [`Backend::Auto`].
     pub fn backend(&self) -> Backend {
-        Backend::Cpu
+        match &self.engine {
+            Engine::Cpu(_) => Backend::Cpu,
+            #[cfg(feature = "gpu")]
+            Engine::Gpu(_) => Backend::Gpu,
+        }
+    }
+
+    /// What draws, in words: "cpu", or the graphics adapter.
+    pub fn describe(&self) -> String {
+        match &self.engine {
+            Engine::Cpu(_) => "cpu".to_owned(),
+            #[cfg(feature = "gpu")]
+            Engine::Gpu(gpu) => gpu.device().adapter.to_string(),
+        }
     }
 
     /// Draws a frame.
@@ -77,7 +172,9 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`]; nothing of an unfinished frame is returned.
     pub fn render(&mut self, stage: &Stage, control: &Control) -> Result<Frame, RenderError> {
-        self.cpu.render(stage, control)
+        let mut frame = Frame::default();
+        self.render_into(stage, control, &mut frame)?;
+        Ok(frame)
     }
 
     /// Draws a frame into one that is there; the memory of its pictures is used again if they have
@@ -86,6 +183,16 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`]; the frame is then what it was before.
     pub fn render_into(&mut self, stage: &Stage, control: &Control, frame: &mut Frame) -> Result<(), RenderError> {
-        self.cpu.render_into(stage, control, frame)
+        match &mut self.engine {
+            Engine::Cpu(cpu) => Ok(cpu.render_into(stage, control, frame)?),
+            #[cfg(feature = "gpu")]
+            Engine::Gpu(gpu) => Ok(gpu.render_into(stage, control, frame)?),
+        }
     }
+}
+
+/// A renderer on the best graphics hardware.
+#[cfg(feature = "gpu")]
+fn hardware() -> Result<GpuRenderer, pellucid_gpu::GpuError> {
+    GpuRenderer::new(&AdapterChoice::Hardware, &Ceiling::default())
 }

@@ -2,23 +2,28 @@
 
 use std::num::NonZero;
 
+use pellucid::gpu::{AdapterChoice, Ceiling, GpuRenderer, Interpolation};
 use pellucid::{Backend, InstructionSet, RenderError, Renderer};
 
 use super::values;
 
-const BACKENDS: [(&str, Backend); 2] = [("auto", Backend::Auto), ("cpu", Backend::Cpu)];
+const BACKENDS: [(&str, Backend); 3] = [("auto", Backend::Auto), ("cpu", Backend::Cpu), ("gpu", Backend::Gpu)];
 const SETS: [(&str, InstructionSet); 4] = [
     ("auto", InstructionSet::Auto),
     ("avx512", InstructionSet::Avx512),
     ("avx2", InstructionSet::Avx2),
     ("baseline", InstructionSet::Baseline),
 ];
+const INTERPOLATIONS: [(&str, Interpolation); 2] =
+    [("hardware", Interpolation::Hardware), ("exact", Interpolation::Exact)];
 const MOST_THREADS: u16 = 1024;
 
-#[derive(clap::Args, Clone, Copy, Debug)]
+#[derive(clap::Args, Clone, Debug)]
 #[command(next_help_heading = "Renderer")]
 pub struct Engine {
     /// What draws
+    ///
+    /// auto takes graphics hardware where there is some, and the processor otherwise.
     #[arg(long, value_name = "BACKEND", value_parser = values::word(&BACKENDS), default_value = "auto")]
     backend: Backend,
     /// Threads to draw with, 1 to 1024; the picture is the same for any number [default: all cores]
@@ -27,16 +32,45 @@ pub struct Engine {
     /// Processor instructions to draw with; the picture depends on them by roundings only
     #[arg(long, value_name = "SET", value_parser = values::word(&SETS), default_value = "auto")]
     simd: InstructionSet,
+    /// Graphics adapter to draw with, by a part of its description; 'software' is one that runs on the
+    /// processor. Implies --backend gpu [default: the best hardware]
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Between voxels on a graphics adapter: its texture unit, fast, or exactly as the processor does
+    #[arg(long, value_name = "HOW", value_parser = values::word(&INTERPOLATIONS), default_value = "hardware")]
+    interpolation: Interpolation,
+    /// Memory to use on a graphics adapter, in MiB; larger volumes are drawn brick by brick
+    /// [default: all there is]
+    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..=1 << 24))]
+    gpu_memory: Option<u64>,
 }
 
 impl Engine {
     /// The renderer asked for.
     pub fn renderer(&self) -> Result<Renderer, RenderError> {
+        if self.backend == Backend::Gpu || self.adapter.is_some() {
+            return Ok(self.gpu()?.into());
+        }
+        if self.backend == Backend::Auto
+            && let Ok(gpu) = self.gpu()
+        {
+            return Ok(gpu.into());
+        }
         let renderer = match self.threads {
-            Some(threads) => Renderer::with_threads(self.backend, threads.into()),
-            None => Renderer::new(self.backend),
+            Some(threads) => Renderer::with_threads(Backend::Cpu, threads.into()),
+            None => Renderer::new(Backend::Cpu),
         };
         renderer?.with_instructions(self.simd)
+    }
+
+    fn gpu(&self) -> Result<GpuRenderer, RenderError> {
+        let choice = match self.adapter.as_deref() {
+            None => AdapterChoice::Hardware,
+            Some("software") => AdapterChoice::Software,
+            Some(name) => AdapterChoice::Named(name.to_owned()),
+        };
+        let ceiling = Ceiling { memory: self.gpu_memory.map(|mib| mib << 20), ..Ceiling::default() };
+        Ok(GpuRenderer::new(&choice, &ceiling)?.with_interpolation(self.interpolation))
     }
 
     /// Threads asked for, or as many as there are cores.
@@ -46,7 +80,7 @@ impl Engine {
     }
 
     /// The same with this number of threads.
-    pub fn with_threads(self, threads: u16) -> Self {
-        Self { threads: Some(threads), ..self }
+    pub fn with_threads(&self, threads: u16) -> Self {
+        Self { threads: Some(threads), ..self.clone() }
     }
 }

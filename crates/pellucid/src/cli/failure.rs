@@ -4,6 +4,7 @@ use std::fmt;
 use std::io::ErrorKind;
 use std::path::Path;
 
+use pellucid::gpu::GpuError;
 use pellucid::io::IoError;
 use pellucid::scene::ResolveError;
 use pellucid::{LoadError, RenderError};
@@ -117,7 +118,8 @@ impl From<RenderError> for Failure {
     fn from(error: RenderError) -> Self {
         match error {
             RenderError::Cancelled => Self::cancelled(),
-            RenderError::Threads { .. } => Self::work(error),
+            RenderError::Gpu(GpuError::Unsupported { .. }) => Self::input(error),
+            RenderError::Cpu(pellucid_cpu::RenderError::Threads { .. }) | RenderError::Gpu(_) => Self::work(error),
             _ => Self::input(error),
         }
     }

@@ -107,7 +107,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
 
     let (frame, save_seconds, backend) = interrupt::gracefully(|| {
         let renderer = args.engine.renderer()?;
-        let backend = renderer.backend();
+        let backend = renderer.describe();
         let frame = draw(renderer, stage, args.accumulate.into(), &cancel, report)?;
         let saving = Instant::now();
         args.output.save(output, &frame, &scene.image)?;

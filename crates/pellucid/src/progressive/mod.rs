@@ -6,11 +6,10 @@ mod rays;
 
 use std::time::{Duration, Instant};
 
-use pellucid_cpu::RenderError;
 use pellucid_optics::Lighting;
 use pellucid_scene::{Control, Frame, ResolveError, Stage, Viewpoint};
 
-use crate::Renderer;
+use crate::{RenderError, Renderer};
 use preview::Pace;
 use rays::Rays;
 

@@ -13,7 +13,7 @@ use crate::cli::interrupt;
 use crate::cli::progress::Progress;
 
 /// How often to draw, and who may stop it.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Plan<'a> {
     /// What the renderer is made of.
     pub engine: Engine,
@@ -39,7 +39,8 @@ impl<'a> Meter<'a> {
     /// is true.
     pub fn new(plan: Plan<'a>) -> Result<Self, RenderError> {
         let threads = plan.engine.threads();
-        Ok(Self { plan, threads, renderer: plan.engine.with_threads(threads).renderer()? })
+        let renderer = plan.engine.with_threads(threads).renderer()?;
+        Ok(Self { plan, threads, renderer })
     }
 
     /// The same renderer kind on another number of threads.

@@ -94,7 +94,7 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     let cancel = interrupt::listen();
     measure.check(args.inputs.len())?;
     let plan = Plan {
-        engine: args.engine,
+        engine: args.engine.clone(),
         frames: measure.frames as usize,
         warmup: measure.warmup as usize,
         cancel: &cancel,
@@ -103,7 +103,7 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     let machine = Machine::new();
     let mut scenes = Vec::new();
     for input in &args.inputs {
-        let results = measure_one(args, input, plan, report)?;
+        let results = measure_one(args, input, plan.clone(), report)?;
         if measure.prints_tables() {
             let notes = if scenes.is_empty() { machine.text() } else { String::new() };
             print(&format!("{notes}\n{}", results.text()))?;

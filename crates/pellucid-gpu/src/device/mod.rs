@@ -1,0 +1,112 @@
+//! The graphics processor: which one, what it can do, and what goes wrong on it.
+
+mod adapter;
+mod capabilities;
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use wgpu::{DeviceDescriptor, DeviceLostReason, ExperimentalFeatures, MemoryHints, PollType, Trace};
+
+pub use adapter::{AdapterChoice, AdapterSummary, adapters};
+pub use capabilities::Capabilities;
+
+use crate::GpuError;
+
+/// An open device. Errors that the driver reports late are kept and come out of [`Device::check`].
+pub struct Device {
+    /// Makes resources.
+    pub device: wgpu::Device,
+    /// Takes commands.
+    pub queue: wgpu::Queue,
+    /// Which adapter it is.
+    pub adapter: AdapterSummary,
+    /// What it can do.
+    pub capabilities: Capabilities,
+    trouble: Arc<Mutex<Option<GpuError>>>,
+}
+
+impl Device {
+    /// Opens an adapter, with the limits lowered to `ceiling` where that has any.
+    ///
+    /// # Errors
+    /// [`GpuError::Adapter`] if there is none of the kind, [`GpuError::Device`] if it does not open.
+    pub fn open(choice: &AdapterChoice, ceiling: &Ceiling) -> Result<Self, GpuError> {
+        let (adapter, summary) = adapter::choose(choice)?;
+        let capabilities = Capabilities::of(&adapter, ceiling);
+        let descriptor = DeviceDescriptor {
+            label: Some("pellucid"),
+            required_features: capabilities.features,
+            required_limits: capabilities.limits.clone(),
+            experimental_features: ExperimentalFeatures::disabled(),
+            memory_hints: MemoryHints::Performance,
+            trace: Trace::Off,
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|error| GpuError::Device { adapter: summary.to_string(), reason: error.to_string() })?;
+        let trouble = Arc::new(Mutex::new(None));
+        let place = trouble.clone();
+        device.on_uncaptured_error(Arc::new(move |error| note(&place, typed(error))));
+        let place = trouble.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            let message = if message.is_empty() { format!("{reason:?}") } else { message };
+            let expected = reason == DeviceLostReason::Destroyed && message.contains("dropped");
+            if !expected {
+                note(&place, GpuError::Lost { reason: message });
+            }
+        });
+        Ok(Self { device, queue, adapter: summary, capabilities, trouble })
+    }
+
+    /// Waits for everything submitted so far.
+    ///
+    /// # Errors
+    /// As [`Device::check`].
+    pub fn wait(&self) -> Result<(), GpuError> {
+        if let Err(error) = self.device.poll(PollType::wait_indefinitely()) {
+            note(&self.trouble, GpuError::Lost { reason: error.to_string() });
+        }
+        self.check()
+    }
+
+    /// The first thing that went wrong since the last look, if anything did.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`] (which stays), [`GpuError::Memory`] or [`GpuError::Rejected`].
+    pub fn check(&self) -> Result<(), GpuError> {
+        let mut trouble = self.trouble.lock().unwrap_or_else(PoisonError::into_inner);
+        match trouble.clone() {
+            None => Ok(()),
+            Some(lost @ GpuError::Lost { .. }) => Err(lost),
+            Some(other) => {
+                *trouble = None;
+                Err(other)
+            }
+        }
+    }
+}
+
+/// Limits below what an adapter has, to be careful with memory or to test with little of it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Ceiling {
+    /// Most voxels per axis of a texture.
+    pub texture_side: Option<u32>,
+    /// Most bytes of volumes, tables and targets at the same time.
+    pub memory: Option<u64>,
+}
+
+/// Keeps the first error; a lost device outranks what follows from it.
+fn note(place: &Mutex<Option<GpuError>>, error: GpuError) {
+    let mut place = place.lock().unwrap_or_else(PoisonError::into_inner);
+    if place.is_none() || matches!(error, GpuError::Lost { .. }) {
+        *place = Some(error);
+    }
+}
+
+fn typed(error: wgpu::Error) -> GpuError {
+    match error {
+        wgpu::Error::OutOfMemory { source } => GpuError::Memory { reason: source.to_string() },
+        wgpu::Error::Validation { description, .. } | wgpu::Error::Internal { description, .. } => {
+            GpuError::Rejected { reason: description }
+        }
+    }
+}

@@ -1,0 +1,22 @@
+//! The wgpu backend: the scenes of the CPU backend on Vulkan, Metal and DX12, within what WebGPU
+//! guarantees.
+//!
+//! Work happens on an open [`Device`]; every optional feature is used where it is there and replaced
+//! where it is not. Shaders are WGSL files in `shaders/`, a file per pass, put together when they are
+//! needed. What they compute is stated by the CPU backend; tests hold the pictures together.
+
+mod bricks;
+mod device;
+mod error;
+mod optics;
+mod pipelines;
+mod ray_cast;
+mod renderer;
+mod resident;
+pub mod shaders;
+mod texture;
+mod uniforms;
+
+pub use device::{AdapterChoice, AdapterSummary, Capabilities, Ceiling, Device, adapters};
+pub use error::GpuError;
+pub use renderer::{GpuRenderer, Interpolation};

@@ -1,0 +1,113 @@
+//! Pipelines and the layouts of what is bound to them, made when they are first needed.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::num::NonZeroU64;
+
+use wgpu::{
+    BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BufferBindingType, ComputePipeline,
+    ComputePipelineDescriptor, PipelineLayoutDescriptor, SamplerBindingType, ShaderModuleDescriptor, ShaderSource,
+    ShaderStages, TextureSampleType, TextureViewDimension,
+};
+
+use crate::shaders::Variant;
+use crate::{Device, GpuError, uniforms};
+
+/// A pipeline and the layouts of its groups: the frame, the volume, the tables.
+pub struct Pipeline {
+    /// The pipeline.
+    pub pipeline: ComputePipeline,
+    /// The layouts of its groups.
+    pub groups: [BindGroupLayout; 3],
+}
+
+/// The pipelines of a device.
+#[derive(Default)]
+pub struct Pipelines(HashMap<Variant, Pipeline>);
+
+impl Pipelines {
+    /// The pipeline of a variant.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`], or what the device reports.
+    pub fn get(&mut self, device: &Device, variant: Variant) -> Result<&Pipeline, GpuError> {
+        let variant = variant.canonical();
+        if !self.0.contains_key(&variant) {
+            let pipeline = make(device, &variant)?;
+            device.check()?;
+            self.0.insert(variant, pipeline);
+        }
+        Ok(&self.0[&variant])
+    }
+}
+
+fn make(device: &Device, variant: &Variant) -> Result<Pipeline, GpuError> {
+    let label = format!("{:?}", variant.pass);
+    let source = ShaderSource::Naga(Cow::Owned(variant.link()?));
+    let module = device.device.create_shader_module(ShaderModuleDescriptor { label: Some(&label), source });
+    let groups = [frame_layout(device), volume_layout(device, variant), table_layout(device)];
+    let layout = device.device.create_pipeline_layout(&PipelineLayoutDescriptor {
+        label: Some(&label),
+        bind_group_layouts: &[Some(&groups[0]), Some(&groups[1]), Some(&groups[2])],
+        immediate_size: 0,
+    });
+    let pipeline = device.device.create_compute_pipeline(&ComputePipelineDescriptor {
+        label: Some(&label),
+        layout: Some(&layout),
+        module: &module,
+        entry_point: Some("main"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    Ok(Pipeline { pipeline, groups })
+}
+
+fn layout(device: &Device, label: &str, types: &[(u32, BindingType)]) -> BindGroupLayout {
+    let entry = |&(binding, ty)| BindGroupLayoutEntry { binding, visibility: ShaderStages::COMPUTE, ty, count: None };
+    let entries: Vec<_> = types.iter().map(entry).collect();
+    device.device.create_bind_group_layout(&BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+fn buffer(ty: BufferBindingType, dynamic: Option<u64>) -> BindingType {
+    let min_binding_size = dynamic.and_then(NonZeroU64::new);
+    BindingType::Buffer { ty, has_dynamic_offset: dynamic.is_some(), min_binding_size }
+}
+
+fn frame_layout(device: &Device) -> BindGroupLayout {
+    let read = buffer(BufferBindingType::Storage { read_only: true }, None);
+    let write = buffer(BufferBindingType::Storage { read_only: false }, None);
+    let pass = size_of::<uniforms::Pass>() as u64;
+    let types = [
+        (0, buffer(BufferBindingType::Uniform, None)),
+        (1, buffer(BufferBindingType::Uniform, Some(pass))),
+        (2, read),
+        (3, read),
+        (4, read),
+        (5, write),
+        (6, read),
+        (7, write),
+    ];
+    layout(device, "frame", &types)
+}
+
+fn volume_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
+    let texture = |sample_type| BindingType::Texture {
+        sample_type,
+        view_dimension: TextureViewDimension::D3,
+        multisampled: false,
+    };
+    let blocks = if variant.pass.compares_extremes() {
+        TextureSampleType::Float { filterable: false }
+    } else {
+        TextureSampleType::Uint
+    };
+    let mut types = vec![(0, texture(TextureSampleType::Float { filterable: variant.hardware })), (2, texture(blocks))];
+    if variant.hardware {
+        types.push((1, BindingType::Sampler(SamplerBindingType::Filtering)));
+    }
+    layout(device, "volume", &types)
+}
+
+fn table_layout(device: &Device) -> BindGroupLayout {
+    layout(device, "tables", &[(0, buffer(BufferBindingType::Storage { read_only: true }, None))])
+}

@@ -1,0 +1,64 @@
+// What a frame is drawn with. `uniforms.rs` has the same structures; a test compares their layouts.
+#define_import_path pellucid::frame
+
+struct Frame {
+    // Where rays cross the base plane, in voxels from the grid's first: at the picture's middle, and
+    // per unit to the right and up. `w` of the first is the base plane's distance from the eye.
+    origin_middle: vec4<f32>,
+    origin_right: vec4<f32>,
+    origin_up: vec4<f32>,
+    // Directions in voxels per world length, not yet divided by their world length.
+    direction_middle: vec4<f32>,
+    direction_right: vec4<f32>,
+    direction_up: vec4<f32>,
+    world_middle: vec4<f32>,
+    world_right: vec4<f32>,
+    world_up: vec4<f32>,
+    // The grid's box in voxels.
+    low: vec4<f32>,
+    high: vec4<f32>,
+    // Rows of the matrix from gradients per voxel to gradients per world length.
+    gradient_x: vec4<f32>,
+    gradient_y: vec4<f32>,
+    gradient_z: vec4<f32>,
+    // Rows of world_from_index, for lights that stand somewhere.
+    world_x: vec4<f32>,
+    world_y: vec4<f32>,
+    world_z: vec4<f32>,
+    // Middle of the picture in pixels, side of a pixel, step in world lengths.
+    picture: vec4<f32>,
+    // Data value = stored * x + y; node of a table = (value - z) * w.
+    values: vec4<f32>,
+    // Unlit part, diffuse, specular, shininess.
+    material: vec4<f32>,
+    // Gradient magnitude where light begins, one over the width of its rise; opacity where rays stop;
+    // step in unit distances.
+    limits: vec4<f32>,
+    // A slice: normal in voxels and offset; its world normal.
+    plane: vec4<f32>,
+    plane_normal: vec4<f32>,
+    // Width, height, rays per pixel and axis, 1 for a perspective.
+    size: vec4<u32>,
+    // Voxels of the whole grid; nodes of the table.
+    dims: vec4<u32>,
+    // Blocks and voxels per block.
+    blocks: vec4<u32>,
+    // Lights, clip planes, isosurfaces; 1 if surfaces are lit on both sides.
+    counts: vec4<u32>,
+    // Shift of the blue noise; 1 if rays are jittered by it.
+    noise: vec4<u32>,
+}
+
+// What one pass draws.
+struct Pass {
+    // First row, rows, number of the ray within its pixel, most looks at the blocks.
+    rows: vec4<u32>,
+    // First voxel of the volume's texture; 1 if rays start here.
+    texture_low: vec4<u32>,
+    // Cells whose samples are taken here: from, to.
+    core_low: vec4<u32>,
+    core_high: vec4<u32>,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> bounds: Pass;

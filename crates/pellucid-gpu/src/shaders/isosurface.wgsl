@@ -1,0 +1,99 @@
+// First surfaces of constant value, found along the ray without a mesh (5.5-8).
+#define_import_path pellucid::mode
+
+#import pellucid::frame::frame
+#import pellucid::ray::{Ray, Segment, ray_at}
+#import pellucid::field::{field_gradient, field_value, is_present}
+#import pellucid::light::{lit, normal_of}
+#import pellucid::march::{State, NOWHERE}
+#import pellucid::table::over
+
+struct Level {
+    // Linear RGB and opacity.
+    color: vec4<f32>,
+    // Data value.
+    value: vec4<f32>,
+}
+
+@group(0) @binding(6) var<storage, read> levels: array<Level>;
+
+fn between(front: f32, back: f32, level: f32) -> bool {
+    return is_present(front) && is_present(back) && (front < level) != (back < level);
+}
+
+// Where the field passes `level` between two distances whose values bracket it: regula falsi with the
+// Illinois rule, and bisection when it stalls.
+fn root(ray: Ray, segment: Segment, level: f32) -> f32 {
+    // Width of the bracket, in voxels, at which a root is found.
+    const ROOT_VOXELS: f32 = 2e-5;
+    let way = abs(ray.direction);
+    let tolerance = ROOT_VOXELS / max(max(way.x, max(way.y, way.z)), 1e-12);
+    var t0 = segment.distance.x;
+    var t1 = segment.distance.y;
+    var f0 = segment.value.x - level;
+    var f1 = segment.value.y - level;
+    var found = t0;
+    var kept = 0;
+    for (var round = 0; round < 32; round += 1) {
+        let middle = (t0 + t1) * 0.5;
+        let secant = t0 + (t1 - t0) * (f0 / (f0 - f1));
+        // Never outside the bracket: rounding, or both ends on the level.
+        found = select(middle, secant, round % 3 != 2 && secant >= t0 && secant <= t1);
+        let value = field_value(ray_at(ray, found));
+        let f = value - level;
+        // An end that stays twice counts half, or it would stay for ever.
+        if (f < 0.0) == (f0 < 0.0) {
+            if kept == 1 {
+                f1 *= 0.5;
+            }
+            kept = 1;
+            t0 = found;
+            f0 = f;
+        } else {
+            if kept == -1 {
+                f0 *= 0.5;
+            }
+            kept = -1;
+            t1 = found;
+            f1 = f;
+        }
+        // An absent or exact value ends the search, too.
+        if t1 - t0 <= tolerance || f == 0.0 || !is_present(value) {
+            break;
+        }
+    }
+    return found;
+}
+
+// Adds the surfaces that a segment crosses, nearest first. Returns whether the ray is done.
+fn visit_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool {
+    let front = segment.value.x;
+    let back = segment.value.y;
+    let count = frame.counts.z;
+    for (var i = 0u; i < count; i += 1u) {
+        // A ray leaves the value at the segment's start and meets levels in the order of value.
+        let level = levels[select(count - 1u - i, i, back > front)];
+        if !between(front, back, level.value.x) {
+            continue;
+        }
+        (*state).counts.y += 1u;
+        let distance = root(ray, segment, level.value.x);
+        let p = ray_at(ray, distance);
+        let gradient = field_gradient(p);
+        var rgba = vec4<f32>(level.color.rgb * level.color.a, level.color.a);
+#ifdef SHADED
+        rgba = lit(rgba, p, gradient, ray.to_eye);
+#endif
+        (*state).color = over((*state).color, rgba);
+        if (*state).surface.w == NOWHERE {
+            let normal = normal_of(gradient).direction;
+            let toward_eye = select(normal, -normal, dot(normal, ray.to_eye) < 0.0);
+            (*state).surface = vec4<f32>(toward_eye, distance);
+        }
+        if (*state).color.a >= frame.limits.z {
+            return true;
+        }
+    }
+    return false;
+}
+

@@ -1,0 +1,61 @@
+// Compositing of pre-integrated segments between the nodes of the lattice (4.6-7, 7.2-3): one fetch a
+// step, and the first segment starts at the entry, not at a made-up value of 0.
+#define_import_path pellucid::mode
+
+#import pellucid::frame::frame
+#import pellucid::ray::{Ray, Segment}
+#import pellucid::field::is_present
+#import pellucid::march::State
+#import pellucid::surface::add_sample
+#import pellucid::table::{clamped_node, entries, node_of, over, over_length}
+
+// The entry between two nodes of the table: front + count * back.
+fn bilinear(front: f32, back: f32) -> vec4<f32> {
+    let count = frame.dims.w;
+    let x = min(u32(front), count - 2u);
+    let y = min(u32(back), count - 2u);
+    let corner = x + y * count;
+    let u = front - f32(x);
+    let near = mix(entries[corner], entries[corner + 1u], u);
+    let far = mix(entries[corner + count], entries[corner + count + 1u], u);
+    return mix(near, far, back - f32(y));
+}
+
+// A full step from one value to another. The parts beyond the table, where the medium is constant,
+// are composed with the part within, each with its own share of the length.
+fn integral(front: f32, back: f32) -> vec4<f32> {
+    let at = vec2<f32>(node_of(front), node_of(back));
+    let inside = vec2<f32>(clamped_node(front), clamped_node(back));
+    let within = bilinear(inside.x, inside.y);
+    if all(at == inside) || inside.x == inside.y {
+        return within;
+    }
+    let shares = abs(at - inside) / abs(at.y - at.x);
+    let first = over_length(bilinear(inside.x, inside.x), shares.x);
+    let middle = over_length(within, 1.0 - shares.x - shares.y);
+    let last = over_length(bilinear(inside.y, inside.y), shares.y);
+    return over(over(first, middle), last);
+}
+
+// A segment; where one end is absent the field reaches half way with the value of the other.
+fn between(front: f32, back: f32, length: f32) -> vec4<f32> {
+    let has_front = is_present(front);
+    let has_back = is_present(back);
+    if has_front && has_back {
+        return over_length(integral(front, back), length);
+    }
+    if !has_front && !has_back {
+        return vec4<f32>(0.0);
+    }
+    let value = select(back, front, has_front);
+    return over_length(integral(value, value), length * 0.5);
+}
+
+fn visit_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool {
+    let rgba = between(segment.value.x, segment.value.y, segment.length);
+    if rgba.a <= 0.0 {
+        return false;
+    }
+    (*state).counts.y += 1u;
+    return add_sample(state, ray, (segment.distance.x + segment.distance.y) * 0.5, rgba);
+}

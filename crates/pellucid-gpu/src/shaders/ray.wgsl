@@ -1,0 +1,145 @@
+// The rays of a picture, and where on them samples are taken: as `rays.rs` of the CPU backend
+// defines it. Distances count steps from the entry.
+#define_import_path pellucid::ray
+
+#import pellucid::frame::frame
+
+@group(0) @binding(2) var<storage, read> planes: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read> noise: array<f32>;
+
+const FAR: f32 = 1e30;
+
+struct Ray {
+    // Voxels: the entry, and the way of a step.
+    origin: vec3<f32>,
+    direction: vec3<f32>,
+    inverse: vec3<f32>,
+    // Unit vector in the world.
+    to_eye: vec3<f32>,
+    // Where in its step a sample lies.
+    jitter: f32,
+    // Number of segments, 0 if the ray meets nothing; length of the last one in steps.
+    count: f32,
+    last_ratio: f32,
+    // World distance from the eye to the entry.
+    entry: f32,
+}
+
+// A piece of a ray between two nodes.
+struct Segment {
+    // Distances of its ends, and the data values there.
+    distance: vec2<f32>,
+    value: vec2<f32>,
+    // In steps: exactly 1 between two samples.
+    length: f32,
+}
+
+fn nonzero(x: f32) -> f32 {
+    return select(x, 1e-30, abs(x) < 1e-30);
+}
+
+fn nonzeros(v: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(nonzero(v.x), nonzero(v.y), nonzero(v.z));
+}
+
+// The ray with number `sub` of a pixel.
+fn ray_of(pixel: vec2<u32>, sub: u32) -> Ray {
+    let n = frame.size.z;
+    let inside = (vec2<f32>(vec2<u32>(sub % n, sub / n)) + 0.5) / f32(n);
+    let at = vec2<f32>(pixel) + inside;
+    let a = (at.x - frame.picture.x) * frame.picture.z;
+    let b = (frame.picture.y - at.y) * frame.picture.z;
+    var unit = 1.0;
+    if frame.size.w != 0u {
+        unit = 1.0 / sqrt(1.0 + a * a + b * b);
+    }
+    let origin = frame.origin_middle.xyz + frame.origin_right.xyz * a + frame.origin_up.xyz * b;
+    let direction = (frame.direction_middle.xyz + frame.direction_right.xyz * a + frame.direction_up.xyz * b) * unit;
+    let world = (frame.world_middle.xyz + frame.world_right.xyz * a + frame.world_up.xyz * b) * unit;
+
+    let to_base = frame.origin_middle.w / unit;
+    var t0 = -to_base;
+    var t1 = FAR;
+    let inverse = 1.0 / nonzeros(direction);
+    let one = (frame.low.xyz - origin) * inverse;
+    let other = (frame.high.xyz - origin) * inverse;
+    let near = min(one, other);
+    let far = max(one, other);
+    t0 = max(max(t0, near.x), max(near.y, near.z));
+    t1 = min(min(t1, far.x), min(far.y, far.z));
+    for (var i = 0u; i < frame.counts.y; i += 1u) {
+        let plane = planes[i];
+        let slope = dot(plane.xyz, direction);
+        let crossing = (plane.w - dot(plane.xyz, origin)) / nonzero(slope);
+        if slope >= 0.0 {
+            t0 = max(t0, crossing);
+        } else {
+            t1 = min(t1, crossing);
+        }
+    }
+
+    var ray: Ray;
+    let step = frame.picture.w;
+    ray.origin = origin + direction * t0;
+    ray.direction = direction * step;
+    let slow = abs(ray.direction) < vec3<f32>(1e-12);
+    ray.inverse = 1.0 / select(ray.direction, vec3<f32>(1e-12), slow);
+    ray.to_eye = -world;
+    ray.entry = t0 + to_base;
+    let whole = (t1 - t0) / step;
+    // A remainder below the precision of the interval is no segment.
+    let count = max(ceil(whole - 1e-6 * max(whole, 1.0)), 1.0);
+    ray.count = select(0.0, count, t0 < t1);
+    ray.last_ratio = min(whole - (count - 1.0), 1.0);
+    ray.jitter = 0.5;
+    if frame.noise.z != 0u {
+        let cell = (pixel + frame.noise.xy) % 64u;
+        // The rays of one pixel differ by the golden ratio, which spreads any number evenly.
+        ray.jitter = fract(noise[cell.y * 64u + cell.x] + f32(sub) * 0.618034);
+    }
+    return ray;
+}
+
+// The position at a distance, in voxels.
+fn ray_at(ray: Ray, distance: f32) -> vec3<f32> {
+    return ray.origin + ray.direction * distance;
+}
+
+// Length of segment k, in steps: 1 but for the last.
+fn ray_ratio(ray: Ray, k: f32) -> f32 {
+    return select(1.0, ray.last_ratio, k >= ray.count - 1.0);
+}
+
+// Distance of segment k's sample.
+fn ray_sample(ray: Ray, k: f32) -> f32 {
+    return k + ray.jitter * ray_ratio(ray, k);
+}
+
+// Distance of the exit.
+fn ray_length(ray: Ray) -> f32 {
+    return ray.count - 1.0 + ray.last_ratio;
+}
+
+// Nodes of the piecewise linear view of a ray: the entry, every sample, the exit; n from 0 to
+// count + 1.
+fn ray_node(ray: Ray, n: f32) -> f32 {
+    if n < 1.0 {
+        return 0.0;
+    }
+    if n > ray.count {
+        return ray_length(ray);
+    }
+    return ray_sample(ray, n - 1.0);
+}
+
+// Length of the segment behind node n, in steps; n from 0 to count.
+fn ray_segment(ray: Ray, n: f32) -> f32 {
+    if n >= ray.count {
+        return (1.0 - ray.jitter) * ray.last_ratio;
+    }
+    let ratio = ray_ratio(ray, n);
+    if n < 1.0 {
+        return ray.jitter * ratio;
+    }
+    return 1.0 + ray.jitter * (ratio - 1.0);
+}

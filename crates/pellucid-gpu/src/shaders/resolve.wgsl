@@ -1,0 +1,46 @@
+// Adds what the rays of this turn found to their pixels: their share of the colour, and their surface
+// if it is the nearest of the pixel.
+#import pellucid::frame::{frame, bounds}
+#import pellucid::march::{HIT, NOWHERE, TERMINATED, states}
+#import pellucid::ray::ray_of
+
+struct Pixel {
+    // Associated linear RGBA.
+    color: vec4<f32>,
+    // Unit world normal and distance from the eye, FAR if nothing was met.
+    surface: vec4<f32>,
+    // Samples taken, seen, leapt over; rays that met the volume in the lower half, rays that stopped
+    // early in the upper.
+    counts: vec4<u32>,
+}
+
+@group(0) @binding(7) var<storage, read_write> pixels: array<Pixel>;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= frame.size.x || id.y >= bounds.rows.y {
+        return;
+    }
+    let slot = id.y * frame.size.x + id.x;
+    let state = states[slot];
+    let sub = bounds.rows.z;
+    let n = frame.size.z;
+    var pixel: Pixel;
+    if sub == 0u {
+        pixel = Pixel(vec4<f32>(0.0), vec4<f32>(0.0, 0.0, 0.0, NOWHERE), vec4<u32>(0u));
+    } else {
+        pixel = pixels[slot];
+    }
+    pixel.color += state.color / f32(n * n);
+    if state.surface.w < NOWHERE {
+        let ray = ray_of(vec2<u32>(id.x, id.y + bounds.rows.x), sub);
+        let depth = ray.entry + state.surface.w * frame.picture.w;
+        if depth < pixel.surface.w {
+            pixel.surface = vec4<f32>(state.surface.xyz, depth);
+        }
+    }
+    let hit = select(0u, 1u, (state.counts.w & HIT) != 0u);
+    let terminated = select(0u, 0x10000u, (state.counts.w & TERMINATED) != 0u);
+    pixel.counts += vec4<u32>(state.counts.xyz, hit + terminated);
+    pixels[slot] = pixel;
+}

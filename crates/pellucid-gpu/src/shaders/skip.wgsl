@@ -1,0 +1,75 @@
+// Empty-space skipping over blocks (7.3-6). Leaps go from sample to sample, and only over samples that
+// add exactly nothing.
+#define_import_path pellucid::skip
+
+#import pellucid::frame::frame
+#import pellucid::ray::{Ray, ray_at, ray_sample, ray_node}
+
+#ifdef EXTREMES
+// The largest value of every block, or the smallest with its sign turned.
+@group(1) @binding(2) var blocks: texture_3d<f32>;
+#else
+// How many blocks away the next one is that can contribute; 0 if this one can.
+@group(1) @binding(2) var blocks: texture_3d<u32>;
+#endif
+
+fn block_at(p: vec3<f32>) -> vec3<i32> {
+    let last = vec3<i32>(frame.blocks.xyz) - 1;
+    let cell = vec3<i32>(max(floor(p), vec3<f32>(0.0)));
+    return min(cell / i32(frame.blocks.w), last);
+}
+
+// Steps from a position to the surface of the cube around its block that reaches `reach` blocks to
+// every side, its own included: a little short of it, so that rounding leaps over no sample beyond.
+fn leave(ray: Ray, p: vec3<f32>, block: vec3<i32>, reach: f32) -> f32 {
+    const MARGIN: f32 = 2e-3;
+    let size = f32(frame.blocks.w);
+    let high = (vec3<f32>(block) + reach) * size - MARGIN;
+    let low = (vec3<f32>(block) - reach + 1.0) * size + MARGIN;
+    let steps = (select(low, high, ray.inverse > vec3<f32>(0.0)) - p) * ray.inverse;
+    return min(min(steps.x, steps.y), steps.z);
+}
+
+// The first sample from k on that may contribute (may exceed `best`, where extremes are looked for), or
+// one beyond the last.
+fn leap_samples(ray: Ray, from_k: f32, best: f32) -> f32 {
+    var k = from_k;
+    while k < ray.count {
+        let p = ray_at(ray, ray_sample(ray, k));
+        let block = block_at(p);
+#ifdef EXTREMES
+        let live = textureLoad(blocks, block, 0).x > best;
+        let reach = 1.0;
+#else
+        let reach = f32(textureLoad(blocks, block, 0).x);
+        let live = reach == 0.0;
+#endif
+        if live {
+            break;
+        }
+        k += max(ceil(leave(ray, p, block, reach)), 1.0);
+    }
+    return k;
+}
+
+#ifndef EXTREMES
+// The node in front of the first segment from n on that may contribute.
+fn leap_segments(ray: Ray, from_n: f32) -> f32 {
+    var n = from_n;
+    while n <= ray.count {
+        let p = ray_at(ray, ray_node(ray, n));
+        let block = block_at(p);
+        let reach = textureLoad(blocks, block, 0).x;
+        if reach == 0u {
+            break;
+        }
+        // To the last node inside the cube.
+        let far = ceil(leave(ray, p, block, f32(reach))) - 1.0;
+        if far <= 0.0 {
+            break;
+        }
+        n += far;
+    }
+    return n;
+}
+#endif

@@ -1,0 +1,28 @@
+// Samples with light upon them, and the accumulation of colour along a ray, front to back (1.4-8, 7.1-2).
+#define_import_path pellucid::surface
+
+#import pellucid::frame::frame
+#import pellucid::ray::{Ray, ray_at}
+#import pellucid::march::{State, NOWHERE}
+#import pellucid::field::{field_gradient, field_value, is_present}
+#import pellucid::light::{lit, normal_of}
+#import pellucid::table::over
+
+// Adds a sample behind what is there. Returns whether the ray is done.
+fn add_sample(state: ptr<function, State>, ray: Ray, distance: f32, sample: vec4<f32>) -> bool {
+    let p = ray_at(ray, distance);
+    var rgba = sample;
+#ifdef SHADED
+    rgba = lit(rgba, p, field_gradient(p), ray.to_eye);
+#endif
+    (*state).color = over((*state).color, rgba);
+    if (*state).color.a >= 0.5 && (*state).surface.w == NOWHERE {
+        // The field here gives the picture its normals, shaded or not.
+        var normal = vec3<f32>(0.0);
+        if is_present(field_value(p)) {
+            normal = normal_of(field_gradient(p)).direction;
+        }
+        (*state).surface = vec4<f32>(normal, distance);
+    }
+    return (*state).color.a >= frame.limits.z;
+}

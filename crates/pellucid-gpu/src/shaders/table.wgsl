@@ -1,0 +1,62 @@
+// The transfer function: the tables of `pellucid-optics`, the same numbers that the CPU backend uses.
+#define_import_path pellucid::table
+
+#import pellucid::frame::frame
+#import pellucid::field::is_present
+
+@group(2) @binding(0) var<storage, read> entries: array<vec4<f32>>;
+
+fn node_of(value: f32) -> f32 {
+    return (value - frame.values.z) * frame.values.w;
+}
+
+fn clamped_node(value: f32) -> f32 {
+    return clamp(node_of(value), 0.0, f32(frame.dims.w - 1u));
+}
+
+// The entry at a data value; zero where there is none.
+fn classify(value: f32) -> vec4<f32> {
+    if !is_present(value) {
+        return vec4<f32>(0.0);
+    }
+    let position = clamped_node(value);
+    let node = min(u32(position), frame.dims.w - 2u);
+    return mix(entries[node], entries[node + 1u], position - f32(node));
+}
+
+// `1 - (1 - alpha)^ratio`, without loss where alpha is small.
+fn opacity_over(alpha: f32, ratio: f32) -> f32 {
+    if alpha >= 1.0 {
+        return 1.0;
+    }
+    let depth = extinction(alpha) * ratio;
+    if depth < 1e-2 {
+        return depth * (1.0 - depth * (0.5 - depth * (1.0 / 6.0 - depth / 24.0)));
+    }
+    return 1.0 - exp(-depth);
+}
+
+// `-ln(1 - alpha)`.
+fn extinction(alpha: f32) -> f32 {
+    if alpha < 1e-2 {
+        return alpha * (1.0 + alpha * (0.5 + alpha * (1.0 / 3.0 + alpha * (0.25 + alpha / 5.0))));
+    }
+    return -log(1.0 - alpha);
+}
+
+// An associated colour over `ratio` times the length it holds for (1.4-14).
+fn over_length(rgba: vec4<f32>, ratio: f32) -> vec4<f32> {
+    if ratio >= 1.0 {
+        return rgba;
+    }
+    let corrected = opacity_over(rgba.a, ratio);
+    if rgba.a < 1.1754944e-38 {
+        return vec4<f32>(rgba.rgb * ratio, corrected);
+    }
+    return vec4<f32>(rgba.rgb * (corrected / rgba.a), corrected);
+}
+
+// What is behind comes to what is in front (1.4-8).
+fn over(front: vec4<f32>, behind: vec4<f32>) -> vec4<f32> {
+    return front + behind * (1.0 - front.a);
+}

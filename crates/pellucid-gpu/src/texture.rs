@@ -1,0 +1,175 @@
+//! Volumes as 3D textures: which format holds which voxels, and how they get there.
+
+use half::f16;
+use pellucid_field::{Volume, Voxel, Voxels, for_voxels};
+use wgpu::util::{DeviceExt, TextureDataOrder};
+use wgpu::{
+    Extent3d, Features, Origin3d, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture, TextureAspect,
+    TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
+};
+
+use crate::{Capabilities, Device};
+
+/// Most bytes that are handed to the driver at once.
+const SLAB_BYTES: usize = 32 << 20;
+
+/// How a volume's voxels are held in a texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encoding {
+    /// The texture's format; a shader reads it as one float.
+    pub format: TextureFormat,
+    /// Bytes per voxel.
+    pub bytes: usize,
+    /// What a shader reads, times the first and plus the second, is the stored number.
+    pub stored: [f64; 2],
+    /// Whether some voxels are absent.
+    pub holes: bool,
+    /// Whether a sampler can interpolate.
+    pub filterable: bool,
+}
+
+impl Encoding {
+    /// The smallest format that keeps every voxel of a volume: integers of 8 and 16 bits as shares of
+    /// their range (exact: a float holds each), others as floats.
+    pub fn of(volume: &Volume, capabilities: &Capabilities) -> Self {
+        let statistics = volume.statistics();
+        let holes = statistics.nan + statistics.infinite > 0;
+        let norm16 = capabilities.has(Features::TEXTURE_FORMAT_16BIT_NORM);
+        let float_filter = capabilities.has(Features::FLOAT32_FILTERABLE);
+        let norm = |format, bytes, levels: f64, lowest: f64| Self {
+            format,
+            bytes,
+            stored: [levels, lowest],
+            holes: false,
+            filterable: true,
+        };
+        match volume.voxels() {
+            Voxels::U8(_) => norm(TextureFormat::R8Unorm, 1, 255.0, 0.0),
+            Voxels::I8(_) => norm(TextureFormat::R8Unorm, 1, 255.0, -128.0),
+            Voxels::U16(_) if norm16 => norm(TextureFormat::R16Unorm, 2, 65535.0, 0.0),
+            Voxels::I16(_) if norm16 => norm(TextureFormat::R16Unorm, 2, 65535.0, -32768.0),
+            Voxels::F16(_) if !holes => norm(TextureFormat::R16Float, 2, 1.0, 0.0),
+            _ => Self {
+                format: TextureFormat::R32Float,
+                bytes: 4,
+                stored: [1.0, 0.0],
+                holes,
+                filterable: float_filter && !holes,
+            },
+        }
+    }
+
+    /// What a shader reads, times the first and plus the second, is the data value.
+    pub fn data(&self, volume: &Volume) -> [f64; 2] {
+        let map = volume.value_map();
+        [self.stored[0] * map.scale, map.value(self.stored[1])]
+    }
+}
+
+/// Voxels from the first on and up to the second, along every axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// First voxel.
+    pub low: [usize; 3],
+    /// One beyond the last.
+    pub high: [usize; 3],
+}
+
+impl Part {
+    /// Voxels per axis.
+    pub fn dims(&self) -> [usize; 3] {
+        [0, 1, 2].map(|axis| self.high[axis] - self.low[axis])
+    }
+}
+
+/// An empty texture for voxels.
+pub fn create(device: &Device, encoding: &Encoding, dims: [usize; 3]) -> Texture {
+    device.device.create_texture(&TextureDescriptor {
+        label: Some("volume"),
+        size: extent(dims),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D3,
+        format: encoding.format,
+        usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
+/// A texture filled with bytes, x fastest.
+pub fn of_bytes(device: &Device, label: &str, format: TextureFormat, dims: [usize; 3], bytes: &[u8]) -> Texture {
+    let descriptor = TextureDescriptor {
+        label: Some(label),
+        size: extent(dims),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D3,
+        format,
+        usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+        view_formats: &[],
+    };
+    device.device.create_texture_with_data(&device.queue, &descriptor, TextureDataOrder::default(), bytes)
+}
+
+/// Fills a texture with a part of one component of a volume; the part's first voxel becomes texel
+/// `at`.
+pub fn upload(
+    device: &Device,
+    texture: &Texture,
+    encoding: &Encoding,
+    volume: &Volume,
+    component: usize,
+    part: Part,
+    at: [usize; 3],
+) {
+    let dims = part.dims();
+    let slices = (SLAB_BYTES / (dims[0] * dims[1] * encoding.bytes)).clamp(1, dims[2]);
+    let mut bytes = Vec::with_capacity(slices * dims[0] * dims[1] * encoding.bytes);
+    for first in (0..dims[2]).step_by(slices) {
+        let count = slices.min(dims[2] - first);
+        bytes.clear();
+        for z in part.low[2] + first..part.low[2] + first + count {
+            for y in part.low[1]..part.high[1] {
+                let row = volume.grid().linear_index([part.low[0], y, z]);
+                for_voxels!(volume.voxels(), data => {
+                    encode(&mut bytes, encoding, data, (row, volume.components(), component, dims[0]));
+                });
+            }
+        }
+        let origin = Origin3d { x: at[0] as u32, y: at[1] as u32, z: (at[2] + first) as u32 };
+        let place = TexelCopyTextureInfo { texture, mip_level: 0, origin, aspect: TextureAspect::All };
+        let layout = TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some((dims[0] * encoding.bytes) as u32),
+            rows_per_image: Some(dims[1] as u32),
+        };
+        device.queue.write_texture(place, &bytes, layout, extent([dims[0], dims[1], count]));
+    }
+}
+
+pub(crate) fn extent([width, height, depth]: [usize; 3]) -> Extent3d {
+    Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: depth as u32 }
+}
+
+/// Appends a run of voxels: from voxel `first` on, one component of several, so many.
+fn encode<T: Voxel>(
+    bytes: &mut Vec<u8>,
+    encoding: &Encoding,
+    data: &[T],
+    (first, components, component, count): (usize, usize, usize, usize),
+) {
+    let run = &data[first * components..(first + count) * components];
+    let voxels = run.iter().skip(component).step_by(components);
+    match encoding.format {
+        TextureFormat::R8Unorm => bytes.extend(voxels.map(|v| (v.to_f32() - encoding.stored[1] as f32) as u8)),
+        TextureFormat::R16Unorm => {
+            bytes.extend(voxels.flat_map(|v| ((v.to_f32() - encoding.stored[1] as f32) as u16).to_ne_bytes()));
+        }
+        TextureFormat::R16Float => bytes.extend(voxels.flat_map(|v| f16::from_f32(v.to_f32()).to_ne_bytes())),
+        // WGSL knows no NaN: absence is a number that no voxel has.
+        _ => bytes.extend(voxels.flat_map(|v| {
+            let v = v.to_f32();
+            if v.is_finite() { v } else { f32::MAX }.to_ne_bytes()
+        })),
+    }
+}

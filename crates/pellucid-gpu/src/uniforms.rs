@@ -1,0 +1,220 @@
+//! What shaders are told of a frame and of a pass: the structures of `frame.wgsl` and `light.wgsl`.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DMat3, DVec3};
+use pellucid_field::Grid;
+use pellucid_optics::{LightShape, Nodes, ResolvedLight};
+use pellucid_scene::{Jitter, Mode, Region, Slice, Stage, StageVolume, blue_noise_shift};
+
+type Four = [f32; 4];
+
+/// What a frame is drawn with.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Frame {
+    pub origin_middle: Four,
+    pub origin_right: Four,
+    pub origin_up: Four,
+    pub direction_middle: Four,
+    pub direction_right: Four,
+    pub direction_up: Four,
+    pub world_middle: Four,
+    pub world_right: Four,
+    pub world_up: Four,
+    pub low: Four,
+    pub high: Four,
+    pub gradient_x: Four,
+    pub gradient_y: Four,
+    pub gradient_z: Four,
+    pub world_x: Four,
+    pub world_y: Four,
+    pub world_z: Four,
+    pub picture: Four,
+    pub values: Four,
+    pub material: Four,
+    pub limits: Four,
+    pub plane: Four,
+    pub plane_normal: Four,
+    pub size: [u32; 4],
+    pub dims: [u32; 4],
+    pub blocks: [u32; 4],
+    pub counts: [u32; 4],
+    pub noise: [u32; 4],
+}
+
+/// What one pass draws.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Pass {
+    /// First row, rows, number of the ray within its pixel, most looks at the blocks.
+    pub rows: [u32; 4],
+    /// First voxel of the volume's texture; 1 if rays start here.
+    pub texture_low: [u32; 4],
+    /// Cells whose samples are taken here: from.
+    pub core_low: [u32; 4],
+    /// To.
+    pub core_high: [u32; 4],
+}
+
+/// A light.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Light {
+    pub place: Four,
+    pub radiance: Four,
+    pub axis: Four,
+    pub cone: Four,
+}
+
+/// An isosurface.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Level {
+    pub color: Four,
+    pub value: Four,
+}
+
+/// What a ray has found so far.
+pub const STATE_BYTES: u64 = 64;
+
+/// A pixel as it comes back.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Pixel {
+    pub color: Four,
+    pub surface: Four,
+    pub counts: [u32; 4],
+}
+
+impl Frame {
+    /// The parts that camera, grid, clips and optics give; the rest is the volume's and the tables'.
+    pub fn new(stage: &Stage, volume: &StageVolume, region: &Region) -> Self {
+        let grid = volume.volume.grid();
+        let mut frame = Self::default();
+        frame.set_rays(stage, grid);
+        frame.set_grid(grid);
+        let view = &stage.viewpoint;
+        let [left, top] = [view.width as f64 / 2.0 - view.shift.x, view.height as f64 / 2.0 - view.shift.y];
+        let pixel = 2.0 * view.half_height / view.height as f64;
+        frame.picture = [left, top, pixel, stage.step].map(|v| v as f32);
+        if let Some(material) = &volume.material {
+            let unlit = material.emission + material.ambient * stage.ambient;
+            frame.material = [unlit, material.diffuse, material.specular, material.shininess];
+            frame.counts[3] = u32::from(material.two_sided);
+        }
+        if let Some(weight) = &volume.gradient_weight {
+            frame.limits[0] = weight.low;
+            frame.limits[1] = 1.0 / (weight.high - weight.low);
+        }
+        frame.limits[2] = stage.quality.early_termination;
+        frame.limits[3] = (stage.step / volume.unit_distance()) as f32;
+        frame.size = [view.width as u32, view.height as u32, stage.quality.supersampling, u32::from(view.perspective)];
+        frame.counts[0] = stage.lights.len() as u32;
+        frame.counts[1] = region.half_spaces().len() as u32;
+        match stage.mode() {
+            Mode::Isosurface(surfaces) => frame.counts[2] = surfaces.isovalues.len() as u32,
+            Mode::Slice(slice) => frame.set_plane(stage, volume, slice),
+            _ => {}
+        }
+        if let Jitter::BlueNoise { seed } = stage.quality.jitter {
+            let [x, y] = blue_noise_shift(seed);
+            frame.noise = [x, y, 1, 0];
+        }
+        frame
+    }
+
+    /// Rays count from the plane across the view in which the volume begins: from a far eye, single
+    /// precision would blur where they enter.
+    fn set_rays(&mut self, stage: &Stage, grid: &Grid) {
+        let view = &stage.viewpoint;
+        let depths = grid.world_corners().map(|corner| (corner - view.eye).dot(view.forward));
+        let base = depths.into_iter().fold(f64::INFINITY, f64::min).max(0.0);
+        let index = |v: DVec3| grid.index_from_world().transform_vector3(v);
+        let middle = grid.index_from_world().transform_point3(view.eye + view.forward * base);
+        let nothing = DVec3::ZERO;
+        // Rays of a perspective leave one point, others one direction.
+        let (across, turning) = if view.perspective { (base, 1.0) } else { (1.0, 0.0) };
+        self.origin_middle = four(middle, base);
+        self.origin_right = four(index(view.right * across), 0.0);
+        self.origin_up = four(index(view.up * across), 0.0);
+        let [right, up] = if turning == 1.0 { [view.right, view.up] } else { [nothing; 2] };
+        self.direction_middle = four(index(view.forward), 0.0);
+        self.direction_right = four(index(right), 0.0);
+        self.direction_up = four(index(up), 0.0);
+        self.world_middle = four(view.forward, 0.0);
+        self.world_right = four(right, 0.0);
+        self.world_up = four(up, 0.0);
+    }
+
+    fn set_grid(&mut self, grid: &Grid) {
+        let (low, high) = grid.index_bounds();
+        (self.low, self.high) = (four(low, 0.0), four(high, 0.0));
+        [self.gradient_x, self.gradient_y, self.gradient_z] = rows(grid.world_from_index_gradient(), DVec3::ZERO);
+        let world = grid.world_from_index();
+        [self.world_x, self.world_y, self.world_z] = rows(world.matrix3, world.translation);
+        let [x, y, z] = grid.dims().map(|n| n as u32);
+        self.dims = [x, y, z, 0];
+    }
+
+    fn set_plane(&mut self, stage: &Stage, volume: &StageVolume, slice: &Slice) {
+        let (point, normal) = stage.slice_plane(volume, slice);
+        let grid = volume.volume.grid();
+        let across = (grid.world_from_index().matrix3.transpose() * normal).normalize();
+        self.plane = four(across, across.dot(grid.index_from_world().transform_point3(point)));
+        self.plane_normal = four(normal, 0.0);
+    }
+
+    /// How stored numbers become data values: `stored * scale + offset`.
+    pub fn set_values(&mut self, [scale, offset]: [f64; 2]) {
+        (self.values[0], self.values[1]) = (scale as f32, offset as f32);
+    }
+
+    /// Where the entries of the table are.
+    pub fn set_nodes(&mut self, nodes: &Nodes) {
+        (self.values[2], self.values[3]) = (nodes.origin(), nodes.scale());
+        self.dims[3] = nodes.count() as u32;
+    }
+
+    /// How many blocks there are, of how many cells.
+    pub fn set_blocks(&mut self, [x, y, z]: [usize; 3], size: usize) {
+        self.blocks = [x, y, z, size].map(|n| n as u32);
+    }
+}
+
+/// The half-spaces of a region in voxels: `normal . p >= offset`, the normals of length 1.
+pub fn planes(region: &Region, grid: &Grid) -> Vec<Four> {
+    let world = grid.world_from_index();
+    let plane = |&(normal, offset): &(DVec3, f64)| {
+        let across = world.matrix3.transpose() * normal;
+        let length = across.length();
+        four(across / length, (offset - normal.dot(world.translation)) / length)
+    };
+    region.half_spaces().iter().map(plane).collect()
+}
+
+impl From<&ResolvedLight> for Light {
+    fn from(light: &ResolvedLight) -> Self {
+        let [r, g, b] = light.radiance();
+        let radiance = [r, g, b, f32::from(u8::from(light.is_specular()))];
+        match light.shape() {
+            LightShape::Directional { to_light } => {
+                Self { place: to_light.extend(0.0).to_array(), radiance, ..Self::default() }
+            }
+            LightShape::Local { position, reference, cone } => {
+                let place = position.extend(1.0).to_array();
+                let axis = cone.map_or([0.0; 4], |cone| cone.axis.extend(1.0).to_array());
+                let [inner, outer] = cone.map_or([0.0; 2], |cone| [cone.inner, cone.outer]);
+                Self { place, radiance, axis, cone: [inner, outer, reference.unwrap_or(0.0), 0.0] }
+            }
+        }
+    }
+}
+
+fn four(v: DVec3, w: f64) -> Four {
+    v.extend(w).as_vec4().to_array()
+}
+
+fn rows(matrix: DMat3, last: DVec3) -> [Four; 3] {
+    let matrix = matrix.transpose();
+    [four(matrix.x_axis, last.x), four(matrix.y_axis, last.y), four(matrix.z_axis, last.z)]
+}

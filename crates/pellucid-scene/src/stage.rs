@@ -1,0 +1,52 @@
+//! What every backend asks of a stage before it draws.
+
+use glam::DVec3;
+
+use crate::{Classification, Mode, RayCast, Region, Slice, Stage, StageVolume, Technique};
+
+impl Stage {
+    /// What is made of the samples.
+    pub fn mode(&self) -> &Mode {
+        let Technique::RayCast(RayCast { mode }) = &self.technique;
+        mode
+    }
+
+    /// The clips of a volume and, for a thick slice, the planes of its slab.
+    pub fn region(&self, volume: &StageVolume) -> Region {
+        let mut region = volume.region.clone();
+        if let Mode::Slice(slice) = self.mode()
+            && slice.thickness > 0.0
+        {
+            let (point, normal) = self.slice_plane(volume, slice);
+            let half = normal * (slice.thickness / 2.0);
+            region.keep(normal, point - half);
+            region.keep(-normal, point + half);
+        }
+        region
+    }
+
+    /// A slice's point and unit normal, with their automatic values filled in.
+    pub fn slice_plane(&self, volume: &StageVolume, slice: &Slice) -> (DVec3, DVec3) {
+        let point = slice.point.map_or_else(|| volume.volume.grid().center(), DVec3::from_array);
+        let normal = slice.normal.map_or(-self.viewpoint.forward, DVec3::from_array);
+        (point, normal.normalize())
+    }
+
+    /// Steps along the diagonal of a volume's box: no ray is longer inside.
+    pub fn most_steps(&self, volume: &StageVolume) -> f64 {
+        let grid = volume.volume.grid();
+        let (low, high) = grid.index_bounds();
+        let corner =
+            |signs: [f64; 3]| grid.world_from_index().transform_vector3((high - low) * DVec3::from_array(signs));
+        let diagonals = [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0]];
+        diagonals.map(|signs| corner(signs).length()).into_iter().fold(0.0, f64::max) / self.step
+    }
+
+    /// Whether every classified value lies within the range of the voxels around it, so that blocks of
+    /// voxels bound it. Pre-classified samples blend colours of voxels, which are zero wherever the
+    /// voxels' are, whatever the weights.
+    pub fn is_bounded_by_voxels(&self) -> bool {
+        let pre = self.quality.classification == Classification::Pre;
+        self.quality.filter.is_positive() || (pre && matches!(self.mode(), Mode::Composite))
+    }
+}

@@ -1,0 +1,49 @@
+//! Both backends draw the same picture: every scene of `scenes/`, on whatever Vulkan driver there is
+//! (one that runs on the processor will do: Debian's `mesa-vulkan-drivers`).
+
+#[path = "common/gallery.rs"]
+mod common;
+
+use pellucid::gpu::{AdapterChoice, Ceiling, Device, GpuRenderer, Interpolation};
+use pellucid::scene::{Control, Frame, Stage};
+use pellucid::{Backend, Renderer};
+
+use common::{difference, scenes, stage};
+
+fn gpu(ceiling: &Ceiling) -> GpuRenderer {
+    let open = |choice| Device::open(&choice, ceiling);
+    let device = open(AdapterChoice::Hardware).or_else(|_| open(AdapterChoice::Software));
+    GpuRenderer::on(device.expect("a Vulkan driver is needed; on Debian: apt-get install mesa-vulkan-drivers"))
+}
+
+fn cpu(stage: &Stage) -> Frame {
+    Renderer::new(Backend::Cpu).unwrap().render(stage, &Control::default()).unwrap()
+}
+
+/// Draws every scene on both backends; returns what exceeds the bounds.
+fn compare(mut gpu: GpuRenderer, least_psnr: f64, most: u8) -> Vec<String> {
+    let mut failures = Vec::new();
+    for path in scenes() {
+        let (scene, stage) = stage(&path);
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        let found = gpu.render(&stage, &Control::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let expected = cpu(&stage);
+        if let Some(folder) = std::env::var_os("PELLUCID_GPU_PICTURES") {
+            let path = std::path::Path::new(&folder).join(format!("{name}.png"));
+            pellucid::save(&path, &found, &scene.image).unwrap();
+        }
+        let (psnr, largest) = difference(&found.to_rgba8(&scene.image), &expected.to_rgba8(&scene.image));
+        println!("{name}: {psnr:.1} dB, largest difference {largest}");
+        if psnr < least_psnr || largest > most {
+            failures.push(format!("{name}: {psnr:.1} dB, largest difference {largest} of 255"));
+        }
+    }
+    failures
+}
+
+#[test]
+fn exact_interpolation_draws_the_pictures_of_the_processor() {
+    let gpu = gpu(&Ceiling::default()).with_interpolation(Interpolation::Exact);
+    let failures = compare(gpu, 50.0, 2);
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
