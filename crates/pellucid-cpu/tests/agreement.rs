@@ -199,6 +199,12 @@ proptest! {
     }
 
     #[test]
+    fn reconstructed_empty_space(case in sparse_case(), (filter, gradient) in reconstruction()) {
+        let case = case.reconstructed(filter, gradient);
+        check_all(&case, &Mode::Composite, Classification::Post, integrated)?;
+    }
+
+    #[test]
     fn reconstructed_extremes(case in roomy_case(), (filter, gradient) in reconstruction()) {
         let case = case.reconstructed(filter, gradient);
         check_all(&case, &Mode::Maximum, Classification::Post, integrated)?;

@@ -15,7 +15,7 @@ pub struct Cubes<'a, T> {
 }
 
 /// Weights of voxels along an axis.
-type Row<S> = [F32<S>; MOST_TAPS];
+type Row<S, const MOST: usize> = [F32<S>; MOST];
 
 /// Where a cube of voxels is, of `taps` along each axis, and where in its middle a position.
 struct Place<S: Lanes> {
@@ -65,9 +65,16 @@ impl<'a, T: Texel> Cubes<'a, T> {
     /// border voxel again. Needs [`Cubes::hold`] of the kernel's taps.
     #[inline(always)]
     pub fn sum<S: Lanes>(&self, s: S, p: &Vec3<S>, kernel: &Kernel) -> F32<S> {
-        let taps = kernel.taps();
+        match kernel.taps() {
+            4 => self.sum_of::<S, 4>(s, p, kernel, 4),
+            taps => self.sum_of::<S, MOST_TAPS>(s, p, kernel, taps),
+        }
+    }
+
+    #[inline(always)]
+    fn sum_of<S: Lanes, const MOST: usize>(&self, s: S, p: &Vec3<S>, kernel: &Kernel, taps: usize) -> F32<S> {
         let zero = splat(s, 0.0);
-        let (mut first, mut weights) = ([whole(s, 0); 3], [[zero; MOST_TAPS]; 3]);
+        let (mut first, mut weights) = ([whole(s, 0); 3], [[zero; MOST]; 3]);
         for axis in 0..3 {
             let inside = p[axis].max(zero).min(splat(s, self.last(axis)));
             let cell = inside.to_int::<I32<S>>();
@@ -104,11 +111,24 @@ impl<'a, T: Texel> Cubes<'a, T> {
     /// The gradient per index step, in stored numbers, under kernels for across and along an axis, and
     /// where it is one: where no voxel of the sum is beyond the border.
     #[inline(always)]
-    pub fn gradient<S: Lanes>(&self, s: S, p: &Vec3<S>, [across, along_axis]: &[Kernel; 2]) -> Vec3<S> {
-        let taps = across.taps();
+    pub fn gradient<S: Lanes>(&self, s: S, p: &Vec3<S>, kernels: &[Kernel; 2]) -> Vec3<S> {
+        match kernels[0].taps() {
+            4 => self.gradient_of::<S, 4>(s, p, kernels, 4),
+            taps => self.gradient_of::<S, MOST_TAPS>(s, p, kernels, taps),
+        }
+    }
+
+    #[inline(always)]
+    fn gradient_of<S: Lanes, const MOST: usize>(
+        &self,
+        s: S,
+        p: &Vec3<S>,
+        [across, along_axis]: &[Kernel; 2],
+        taps: usize,
+    ) -> Vec3<S> {
         let Place { first, v } = self.place(s, p, taps);
         let zero = splat(s, 0.0);
-        let (mut x, mut y): ([Row<S>; 2], [Row<S>; 2]) = ([[zero; MOST_TAPS]; 2], [[zero; MOST_TAPS]; 2]);
+        let (mut x, mut y) = ([[zero; MOST]; 2], [[zero; MOST]; 2]);
         for tap in 0..taps {
             (x[0][tap], x[1][tap]) = (across.weight(s, tap, v[0]), along_axis.weight(s, tap, v[0]));
             (y[0][tap], y[1][tap]) = (across.weight(s, tap, v[1]), along_axis.weight(s, tap, v[1]));
@@ -169,8 +189,16 @@ impl<'a, T: Texel> Cubes<'a, T> {
     /// Adds up the weights of voxels over the border at the border voxel: from those that start at
     /// `wanted` to those that start at `first`.
     #[inline(always)]
-    fn fold<S: Lanes>(&self, s: S, axis: usize, taps: usize, wanted: I32<S>, first: I32<S>, weights: &mut Row<S>) {
-        let mut folded = [splat(s, 0.0); MOST_TAPS];
+    fn fold<S: Lanes, const MOST: usize>(
+        &self,
+        s: S,
+        axis: usize,
+        taps: usize,
+        wanted: I32<S>,
+        first: I32<S>,
+        weights: &mut Row<S, MOST>,
+    ) {
+        let mut folded = [splat(s, 0.0); MOST];
         for (tap, &weight) in weights[..taps].iter().enumerate() {
             let voxel = (wanted + tap as i32).max(whole(s, 0)).min(whole(s, self.dims[axis] - 1)) - first;
             for (place, sum) in folded[..taps].iter_mut().enumerate() {
@@ -209,7 +237,7 @@ fn along<S: Lanes>(weights: [F32<S>; 4], voxels: [F32<S>; 4], sum: F32<S>) -> F3
 /// Rows are read four voxels at a time; the last four of 6, 10, ... begin with two that were read
 /// before.
 #[inline(always)]
-fn in_fours<S: Lanes>(s: S, taps: usize, weights: &mut Row<S>) {
+fn in_fours<S: Lanes, const MOST: usize>(s: S, taps: usize, weights: &mut Row<S, MOST>) {
     if taps % 4 == 2 {
         (weights[taps], weights[taps + 1]) = (weights[taps - 2], weights[taps - 1]);
         (weights[taps - 2], weights[taps - 1]) = (splat(s, 0.0), splat(s, 0.0));
