@@ -32,7 +32,7 @@ pub struct Separable<'a, T> {
 /// How values are made of voxels.
 enum Values<'a, T> {
     Nearest,
-    Linear(Trilinear<'a, T>),
+    Linear(Box<Trilinear<'a, T>>),
     Sum(Kernel),
 }
 
@@ -50,7 +50,7 @@ impl<'a, T: Texel> Separable<'a, T> {
         let (filter, voxels) = (exact.field().filter(), Cubes::new(&view)?);
         let values = match filter {
             Filter::Nearest => Values::Nearest,
-            Filter::Linear => Values::Linear(trilinear),
+            Filter::Linear => Values::Linear(Box::new(trilinear)),
             _ => Values::Sum(Kernel::of_filter(filter).filter(|kernel| voxels.hold(kernel.taps()))?),
         };
         let kernels = Kernel::of_gradient(filter, gradient);
