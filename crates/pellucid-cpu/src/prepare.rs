@@ -122,11 +122,8 @@ impl Tables {
             None => Visibility::of_table(&table),
         };
         let visible = |low, high| visibility.any_opacity(low, high);
-        // Min-max blocks bound a sample only if no weight is negative.
-        let bounded = field_is_bounded(quality.filter, quality.classification, composited);
-        let blocks = (quality.empty_space_skipping && bounded)
-            .then(|| cache.blocks(&volume.volume, volume.component, filter.half_width() - 1))
-            .transpose()?;
+        let blocks = quality.empty_space_skipping.then(|| bounds(stage, volume, (&field, component, filter), cache));
+        let blocks = blocks.transpose()?.flatten();
         let extremes = blocks.as_ref().and_then(|blocks| match mode(stage) {
             Mode::Minimum | Mode::Slice(Slice { combine: Combine::Minimum, .. }) => {
                 Some(ExtremeGrid::new(blocks, true))
@@ -220,10 +217,27 @@ pub fn mode(stage: &Stage) -> &Mode {
     mode
 }
 
-/// Whether every classified value lies within the range of the voxels around it. Pre-classified
-/// samples blend colours of voxels, which are zero wherever the voxels' are, whatever the weights.
-fn field_is_bounded(filter: Filter, classification: Classification, composited: bool) -> bool {
-    filter.is_positive() || (composited && classification == Classification::Pre)
+/// Blocks that bound every value that is classified; `None` if the filter leaves the range of its
+/// voxels too far for them to tell anything. Samples of a field are bounded by the numbers that its
+/// filter weighs; pre-classified samples blend colours of the volume's voxels, which are zero wherever
+/// the voxels' are, whatever the weights.
+fn bounds(
+    stage: &Stage,
+    volume: &StageVolume,
+    (field, component, filter): (&Arc<Volume>, usize, Filter),
+    cache: &mut Cache,
+) -> Result<Option<Arc<Blocks>>, FieldError> {
+    const FURTHEST: f64 = 4.0;
+    let reach = filter.half_width() - 1;
+    if matches!(mode(stage), Mode::Composite) && stage.quality.classification == Classification::Pre {
+        return cache.blocks(&volume.volume, volume.component, reach).map(Some);
+    }
+    let overshoot = filter.overshoot();
+    if overshoot > FURTHEST {
+        return Ok(None);
+    }
+    let blocks = cache.blocks(field, component, reach)?;
+    Ok(Some(if overshoot > 0.0 { Arc::new(blocks.overshot(overshoot)) } else { blocks }))
 }
 
 /// The clips of a volume and, for a thick slice, the planes of its slab.

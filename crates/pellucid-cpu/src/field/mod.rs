@@ -1,16 +1,22 @@
 //! "What is the field here?": one answer for samples, gradients and surfaces, for all lanes.
 
+mod cube;
 mod general;
+mod kernel;
 mod probe;
+mod separable;
 mod taps;
 mod trilinear;
 mod voxel;
+mod word;
 
 pub use general::{Any, Entered, General, lane_position};
 pub use probe::Probe;
+pub use separable::Separable;
 pub use taps::Bounds;
 pub use trilinear::Trilinear;
 pub use voxel::{Quad, Texel};
+pub use word::fits;
 
 use crate::lanes::*;
 

@@ -1,6 +1,6 @@
 //! Trilinear interpolation and its central differences, for all lanes at once (1.5-10, 5.3-4).
 
-use pellucid_field::{ComponentView, Gradient, Linear};
+use pellucid_field::{ComponentView, Linear};
 
 use super::general::{gradient_of_each, value_of_each};
 use super::taps::Bounds;
@@ -21,7 +21,6 @@ pub struct Trilinear<'a, T> {
     scale: f32,
     offset: f32,
     bounds: Bounds,
-    central: bool,
     /// From differences of stored numbers per index step to data units per world unit.
     gradient_map: [[f32; 3]; 3],
     exact: Probe<'a, Linear<'a, T>>,
@@ -40,12 +39,7 @@ struct Cell<S: Lanes> {
 impl<'a, T: Texel> Trilinear<'a, T> {
     /// The field of a component, or `None` if it cannot be read with vectors: several components
     /// to a voxel, an axis without cells, or more voxels than 32-bit offsets reach.
-    pub fn new(
-        view: ComponentView<'a, T>,
-        bounds: Bounds,
-        gradient: Gradient,
-        exact: Probe<'a, Linear<'a, T>>,
-    ) -> Option<Self> {
+    pub fn new(view: ComponentView<'a, T>, bounds: Bounds, exact: Probe<'a, Linear<'a, T>>) -> Option<Self> {
         let (dims, stride, data) = (view.dims(), view.stride(), view.data());
         let fits = data.len() < i32::MAX as usize && dims.iter().product::<usize>() == data.len();
         if stride[0] != 1 || !fits || dims.iter().any(|&n| n < 2) {
@@ -61,7 +55,6 @@ impl<'a, T: Texel> Trilinear<'a, T> {
             scale: map.scale as f32,
             offset: map.offset as f32,
             bounds,
-            central: gradient == Gradient::Central,
             gradient_map: matrix.to_cols_array_2d(),
             exact,
         })
@@ -219,9 +212,6 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
 
     #[inline(always)]
     fn values_near(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> (F32<S>, Near<S>) {
-        if !self.central {
-            return (self.values(s, index, lanes), Near { index, rows: None });
-        }
         let Cell { offset, u, .. } = self.locate(s, &index);
         let rows = self.rows(s, offset);
         let [a, b, c, d] = rgba!(R => {
@@ -257,9 +247,6 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
 
     #[inline(always)]
     fn gradients_near(&self, s: S, near: &Near<S>, lanes: Mask<S>) -> Vec3<S> {
-        if !self.central {
-            return gradient_of_each(s, &self.exact, near.index, lanes);
-        }
         self.differences(s, near.index, near.rows.as_ref(), lanes)
     }
 }

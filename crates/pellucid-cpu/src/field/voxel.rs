@@ -139,6 +139,40 @@ unsafe fn sixteen_bit_quad<S: Lanes, T>(
     [shifted, late.select(b >> 16, early.select((a >> 16) | (b << 16), b))]
 }
 
+/// The voxels of 32 bits from `offset + d - 1` to `offset + d + 2`; anything for those before the first
+/// and after the last of the data.
+///
+/// # Safety
+/// As [`Texel::quad`].
+#[inline(always)]
+pub(super) unsafe fn thirty_two_bit_quad<S: Lanes, T>(
+    s: S,
+    data: &[T],
+    offset: I32<S>,
+    d: i32,
+    at_end: bool,
+) -> Quad<S> {
+    if !at_end {
+        // SAFETY: the caller vouches for four voxels, so `offset` is not negative.
+        let row = unsafe { s.gather_rows::<0>(data.as_ptr().cast::<f32>().offset(d as isize - 1), offset) };
+        return rgba!(N => row[N].bitcast());
+    }
+    let wanted = offset + (d - 1);
+    let there = wanted.max(whole(s, 0)).min(whole(s, data.len() as i32 - 4));
+    // SAFETY: moved into the data.
+    let row = unsafe { s.gather_rows::<0>(data.as_ptr().cast::<f32>(), there) };
+    // One voxel on if the row ends before the last, one back if it starts after the first.
+    let (late, early) = (wanted.simd_gt(there), wanted.simd_lt(there));
+    let [a, b, c, d] = row;
+    let moved = [
+        early.select(a, late.select(b, a)),
+        early.select(a, late.select(c, b)),
+        early.select(b, late.select(d, c)),
+        early.select(c, d),
+    ];
+    rgba!(N => moved[N].bitcast())
+}
+
 /// The low and the high half of words as numbers.
 #[inline(always)]
 fn unsigned_words<S: Lanes>(_: S, words: <S as Simd>::u32s) -> [F32<S>; 2] {
@@ -258,25 +292,8 @@ impl Texel for f32 {
 
     #[inline(always)]
     unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> Quad<S> {
-        if !at_end {
-            // SAFETY: the caller vouches for four voxels, so `offset` is not negative.
-            let row = unsafe { s.gather_rows::<0>(data.as_ptr().offset(d as isize - 1), offset) };
-            return rgba!(N => row[N].bitcast());
-        }
-        let wanted = offset + (d - 1);
-        let there = wanted.max(whole(s, 0)).min(whole(s, data.len() as i32 - 4));
-        // SAFETY: moved into the data.
-        let row = unsafe { s.gather_rows::<0>(data.as_ptr(), there) };
-        // One voxel on if the row ends before the last, one back if it starts after the first.
-        let (late, early) = (wanted.simd_gt(there), wanted.simd_lt(there));
-        let [a, b, c, d] = row;
-        let moved = [
-            early.select(a, late.select(b, a)),
-            early.select(a, late.select(c, b)),
-            early.select(b, late.select(d, c)),
-            early.select(c, d),
-        ];
-        rgba!(N => moved[N].bitcast())
+        // SAFETY: as the caller's.
+        unsafe { thirty_two_bit_quad(s, data, offset, d, at_end) }
     }
 
     #[inline(always)]
