@@ -76,8 +76,8 @@ impl<'a> Lookup<'a> {
         };
         // SAFETY: `cell` gives a node from 0 to the last but one, of a table that is there.
         let (from, to) = unsafe {
-            let base = self.entries.as_ptr();
-            (s.gather_rows(base, node), s.gather_rows(base.add(1), node))
+            let base = self.entries.as_ptr().cast::<f32>();
+            (s.gather_rows::<2>(base, node), s.gather_rows::<2>(base.add(4), node))
         };
         rgba!(C => lerp::<S>(t, from[C], to[C]))
     }
@@ -219,14 +219,14 @@ impl Segments<'_> {
         let ((near, u), (far, v)) = (cell(s, limited_x, last), cell(s, limited_y, last));
         let row = nodes.count();
         let corner = near + far * row as i32;
-        let base = self.0.entries().as_ptr();
+        let base = self.0.entries().as_ptr().cast::<f32>();
         // SAFETY: `cell` gives nodes from 0 to the last but one.
         let [c00, c10, c01, c11] = unsafe {
             [
-                s.gather_rows(base, corner),
-                s.gather_rows(base.add(1), corner),
-                s.gather_rows(base.add(row), corner),
-                s.gather_rows(base.add(row + 1), corner),
+                s.gather_rows::<2>(base, corner),
+                s.gather_rows::<2>(base.add(4), corner),
+                s.gather_rows::<2>(base.add(4 * row), corner),
+                s.gather_rows::<2>(base.add(4 * row + 4), corner),
             ]
         };
         let mut rgba = rgba!(C => lerp::<S>(v, lerp::<S>(u, c00[C], c10[C]), lerp::<S>(u, c01[C], c11[C])));

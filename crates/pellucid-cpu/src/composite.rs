@@ -44,12 +44,18 @@ impl<S: Lanes, F: Field<S>> Medium<'_, S, F> {
         Accumulator { color: [zero; 4], half: splat(s, f32::INFINITY), aim }
     }
 
-    /// Shades associated samples.
+    /// Shades associated samples, if surfaces are shaded.
     #[inline(always)]
-    fn lit(&self, aim: &Option<Aim<S>>, index: Vec3<S>, rgba: [F32<S>; 4], lanes: Mask<S>) -> [F32<S>; 4] {
+    fn lit(
+        &self,
+        aim: &Option<Aim<S>>,
+        index: Vec3<S>,
+        rgba: [F32<S>; 4],
+        lanes: Mask<S>,
+        gradients: impl FnOnce() -> Vec3<S>,
+    ) -> [F32<S>; 4] {
         let (Some(surface), Some(aim)) = (&self.surface, aim) else { return rgba };
-        let gradient = self.field.gradients(self.s, index, lanes);
-        surface.shade(self.s, rgba, index, gradient, aim, lanes)
+        surface.shade(self.s, rgba, index, gradients(), aim, lanes)
     }
 
     /// Adds samples behind what is there. Returns the rays that are done.
@@ -95,6 +101,17 @@ impl<S: Lanes, F: Field<S>, C: Classify> Integrator for Composite<'_, S, F, C> {
     }
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
+        // Two loops: one that never lights has registers to spare.
+        match self.medium.surface {
+            Some(_) => self.follow::<true>(wave, traced, tally),
+            None => self.follow::<false>(wave, traced, tally),
+        }
+    }
+}
+
+impl<S: Lanes, F: Field<S>, C: Classify> Composite<'_, S, F, C> {
+    #[inline(always)]
+    fn follow<const LIT: bool>(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
         let (medium, s) = (&self.medium, self.medium.s);
         s.vectorize(
             #[inline(always)]
@@ -117,14 +134,28 @@ impl<S: Lanes, F: Field<S>, C: Classify> Integrator for Composite<'_, S, F, C> {
                             |index| medium.field.prefetch(s, index),
                             #[inline(always)]
                             |sample, counter| {
-                                let value = medium.field.values(s, sample.index, sample.lanes);
+                                let (value, near) = if LIT {
+                                    let (value, near) = medium.field.values_near(s, sample.index, sample.lanes);
+                                    (value, Some(near))
+                                } else {
+                                    (medium.field.values(s, sample.index, sample.lanes), None)
+                                };
                                 let classified = self.classifier.classify(s, value, sample);
                                 let Some(Classified { mut rgba, visible }) = classified else { return all(s, false) };
                                 counter.see(visible);
                                 if sample.shortened {
                                     rgba = over_length(s, rgba, sample.ratio);
                                 }
-                                let rgba = medium.lit(&ray.aim, sample.index, rgba, visible);
+                                if let Some(near) = near {
+                                    rgba = medium.lit(
+                                        &ray.aim,
+                                        sample.index,
+                                        rgba,
+                                        visible,
+                                        #[inline(always)]
+                                        || medium.field.gradients_near(s, &near, visible),
+                                    );
+                                }
                                 medium.add(ray, sample.distance, rgba, visible)
                             },
                         );
@@ -200,7 +231,14 @@ impl<S: Lanes, F: Field<S>> Visit<S> for Compositing<'_, S, F> {
         counter.see(visible);
         let middle = (segment.distance[0] + segment.distance[1]) * 0.5;
         let index = self.rays.at(middle);
-        let rgba = medium.lit(&self.ray.aim, index, rgba, visible);
+        let rgba = medium.lit(
+            &self.ray.aim,
+            index,
+            rgba,
+            visible,
+            #[inline(always)]
+            || medium.field.gradients(medium.s, index, visible),
+        );
         Verdict { done: medium.add(self.ray, middle, rgba, visible), wait: none }
     }
 }

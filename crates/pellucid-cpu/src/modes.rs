@@ -1,12 +1,12 @@
 //! The integrator of a stage's mode.
 
-use pellucid_field::{ComponentView, Filter, Linear, Reconstruct, Sampler, Voxels};
+use pellucid_field::{ComponentView, Filter, Gradient, Linear, Reconstruct, Sampler, Voxels, for_voxels};
 use pellucid_scene::{Classification, Combine, Mode};
 
 use crate::RenderError;
 use crate::classify::{Lookup, Post, Pre, Segments};
 use crate::composite::{Composite, Medium, PreIntegrated};
-use crate::field::{Any, Bounds, Entered, Field, General, Probe, Texel, Trilinear};
+use crate::field::{Any, Bounds, Entered, Field, General, Probe, Separable, Texel, Trilinear, fits};
 use crate::integrator::Integrator;
 use crate::isosurface::{Isosurfaces, Level};
 use crate::lanes::{InstructionSet, Lanes, dispatch};
@@ -37,7 +37,7 @@ impl Prepared<'_> {
         if !common {
             return self.rare(s, self.any(sampler));
         }
-        if sampler.filter() == Filter::Linear {
+        if sampler.filter() == Filter::Linear && self.stage.quality.gradient == Gradient::Central {
             let typed = match self.tables.field.voxels() {
                 Voxels::U8(data) => self.trilinear(data).map(|field| self.common(s, field)),
                 Voxels::U16(data) => self.trilinear(data).map(|field| self.common(s, field)),
@@ -58,31 +58,26 @@ impl Prepared<'_> {
 
     fn trilinear<'a, T: Texel>(&'a self, data: &'a [T]) -> Option<Trilinear<'a, T>> {
         let view = ComponentView::new(&self.tables.field, data, self.tables.component);
-        let bounds = Bounds::new(self.grid(), &self.region);
-        Trilinear::new(view, bounds, self.stage.quality.gradient, self.probe(Linear(view)))
+        Trilinear::new(view, Bounds::new(self.grid(), &self.region), self.probe(Linear(view)))
     }
 
     /// The field of any filter and voxel type.
     fn any<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
-        if sampler.filter() == Filter::Linear {
-            let boxed: Option<Box<dyn Field<S> + 'a>> = match self.tables.field.voxels() {
-                Voxels::U8(data) => self.boxed(data),
-                Voxels::I8(data) => self.boxed(data),
-                Voxels::U16(data) => self.boxed(data),
-                Voxels::I16(data) => self.boxed(data),
-                Voxels::F16(data) => self.boxed(data),
-                Voxels::F32(data) => self.boxed(data),
-                Voxels::U32(_) | Voxels::I32(_) => None,
-            };
-            if let Some(field) = boxed {
-                return Any(field);
-            }
-        }
-        Any(Box::new(Entered(General(self.probe(sampler)))))
+        let boxed = match self.tables.field.voxels() {
+            Voxels::U32(_) | Voxels::I32(_) if !fits(&self.tables.field) => None,
+            voxels => for_voxels!(voxels, data => self.boxed(data, &sampler)),
+        };
+        Any(boxed.unwrap_or_else(|| Box::new(Entered(General(self.probe(sampler))))))
     }
 
-    fn boxed<'a, S: Lanes, T: Texel>(&'a self, data: &'a [T]) -> Option<Box<dyn Field<S> + 'a>> {
-        let field = self.trilinear(data)?;
+    fn boxed<'a, S: Lanes, T: Texel>(&'a self, data: &'a [T], sampler: &Sampler<'a>) -> Option<Box<dyn Field<S> + 'a>> {
+        let (trilinear, gradient) = (self.trilinear(data)?, self.stage.quality.gradient);
+        if (sampler.filter(), gradient) == (Filter::Linear, Gradient::Central) {
+            return Some(Box::new(Entered(trilinear)));
+        }
+        let view = ComponentView::new(&self.tables.field, data, self.tables.component);
+        let bounds = Bounds::new(self.grid(), &self.region);
+        let field = Separable::new(view, bounds, gradient, trilinear, self.probe(sampler.clone()))?;
         Some(Box::new(Entered(field)))
     }
 

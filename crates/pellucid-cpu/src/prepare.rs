@@ -121,11 +121,8 @@ impl Tables {
             None => Visibility::of_table(&table),
         };
         let visible = |low, high| visibility.any_opacity(low, high);
-        // Min-max blocks bound a sample only if no weight is negative.
-        let bounded = stage.is_bounded_by_voxels();
-        let blocks = (quality.empty_space_skipping && bounded)
-            .then(|| cache.blocks(&volume.volume, volume.component, filter.half_width() - 1))
-            .transpose()?;
+        let blocks = quality.empty_space_skipping.then(|| bounds(stage, volume, (&field, component, filter), cache));
+        let blocks = blocks.transpose()?.flatten();
         let extremes = blocks.as_ref().and_then(|blocks| match stage.mode() {
             Mode::Minimum | Mode::Slice(Slice { combine: Combine::Minimum, .. }) => {
                 Some(ExtremeGrid::new(blocks, true))
@@ -203,3 +200,26 @@ impl<'s> Prepared<'s> {
 
 /// Steps are numbered in `f32`, which counts to here without a gap.
 const MOST_STEPS: u32 = 1 << 24;
+
+/// Blocks that bound every value that is classified; `None` if the filter leaves the range of its
+/// voxels too far for them to tell anything. Samples of a field are bounded by the numbers that its
+/// filter weighs; pre-classified samples blend colours of the volume's voxels, which are zero wherever
+/// the voxels' are, whatever the weights.
+fn bounds(
+    stage: &Stage,
+    volume: &StageVolume,
+    (field, component, filter): (&Arc<Volume>, usize, Filter),
+    cache: &mut Cache,
+) -> Result<Option<Arc<Blocks>>, FieldError> {
+    const FURTHEST: f64 = 4.0;
+    let reach = filter.half_width() - 1;
+    if matches!(stage.mode(), Mode::Composite) && stage.quality.classification == Classification::Pre {
+        return cache.blocks(&volume.volume, volume.component, reach).map(Some);
+    }
+    let overshoot = filter.overshoot();
+    if overshoot > FURTHEST {
+        return Ok(None);
+    }
+    let blocks = cache.blocks(field, component, reach)?;
+    Ok(Some(if overshoot > 0.0 { Arc::new(blocks.overshot(overshoot)) } else { blocks }))
+}

@@ -4,7 +4,7 @@ use crate::classify::Lookup;
 use crate::field::Field;
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
-use crate::packet::Packet;
+use crate::packet::{Packet, Rays};
 use crate::samples::{March, RUN, Sample, sample};
 use crate::skip::{ExtremeGrid, SkipGrid};
 
@@ -31,41 +31,76 @@ impl<S: Lanes, F: Field<S>> Integrator for Extreme<'_, S, F> {
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
         let s = self.s;
-        one_by_one(
-            s,
-            wave,
-            traced,
-            tally,
+        s.vectorize(
             #[inline(always)]
-            |_, rays, traced, counter| {
-                // The smallest value is the largest with its sign turned.
-                let sign = if self.minimum { -1.0 } else { 1.0 };
-                let (mut best, mut depth) = (splat(s, f32::NEG_INFINITY), splat(s, f32::INFINITY));
-                let mut k = splat(s, 0.0);
-                while rays.has(k).any_true() {
-                    if let Some(skip) = self.skip {
-                        let to = skip.leap(s, rays, k, best);
-                        counter.skip(to.min(rays.count) - k);
-                        k = to;
-                    }
-                    self.field.prefetch(s, rays.at(k + RUN as f32));
-                    for _ in 0..RUN {
-                        let Sample { distance, index, lanes, .. } = sample(s, rays, k, rays.has(k));
-                        if !lanes.any_true() {
-                            break;
-                        }
-                        counter.sample(lanes);
-                        let value = self.field.values(s, index, lanes) * sign;
-                        let better = lanes & value.simd_gt(best);
-                        best = better.select(value, best);
-                        depth = better.select(distance, depth);
-                        k += 1.0;
+            || {
+                let mut searches: Vec<Search<S>> = Vec::with_capacity(wave.len());
+                for packet in wave {
+                    let (rays, counter, k) = (Rays::new(s, packet), Counter::new(s), splat(s, 0.0));
+                    let (best, depth) = (splat(s, f32::NEG_INFINITY), splat(s, f32::INFINITY));
+                    searches.push(Search { rays, counter, k, best, depth, open: true });
+                }
+                while searches.iter().any(|search| search.open) {
+                    for search in searches.iter_mut().filter(|search| search.open) {
+                        self.run(search);
                     }
                 }
-                let value = best.is_finite().select(best * sign, splat(s, f32::NAN));
-                classified(s, &self.table, value, depth, self.opaque, traced, counter);
+                for (mut search, traced) in searches.into_iter().zip(traced) {
+                    let best = search.best;
+                    let value = best.is_finite().select(best * self.sign(), splat(s, f32::NAN));
+                    classified(s, &self.table, value, search.depth, self.opaque, traced, &mut search.counter);
+                    search.counter.finish(traced, tally);
+                }
             },
         );
+    }
+}
+
+/// A packet on its way to its extremes.
+struct Search<S: Lanes> {
+    rays: Rays<S>,
+    counter: Counter<S>,
+    k: F32<S>,
+    best: F32<S>,
+    depth: F32<S>,
+    open: bool,
+}
+
+impl<S: Lanes, F: Field<S>> Extreme<'_, S, F> {
+    /// The smallest value is the largest with its sign turned.
+    #[inline(always)]
+    fn sign(&self) -> f32 {
+        if self.minimum { -1.0 } else { 1.0 }
+    }
+
+    /// Looks at the next samples that may exceed the best.
+    #[inline(always)]
+    fn run(&self, search: &mut Search<S>) {
+        let (s, sign) = (self.s, self.sign());
+        let Search { rays, counter, .. } = search;
+        let (mut k, mut best, mut depth) = (search.k, search.best, search.depth);
+        if let Some(skip) = self.skip {
+            let to = skip.leap(s, rays, k, best);
+            counter.skip(to.min(rays.count) - k);
+            k = to;
+        }
+        for number in 0..RUN {
+            let Sample { distance, index, lanes, .. } = sample(s, rays, k, rays.has(k));
+            if !lanes.any_true() {
+                break;
+            }
+            if number % 2 == 0 {
+                self.field.prefetch(s, rays.at(k + RUN as f32));
+            }
+            counter.sample(lanes);
+            let value = self.field.values(s, index, lanes) * sign;
+            let better = lanes & value.simd_gt(best);
+            best = better.select(value, best);
+            depth = better.select(distance, depth);
+            k += 1.0;
+        }
+        search.open = rays.has(k).any_true();
+        (search.k, search.best, search.depth) = (k, best, depth);
     }
 }
 

@@ -166,11 +166,16 @@ pub enum Leap {
     Segments,
 }
 
-/// The largest or the smallest values of blocks, for projections of extremes.
+/// The largest or the smallest values of blocks and of cubes around them, for projections of
+/// extremes.
 pub struct ExtremeGrid {
     layout: Layout,
-    extremes: Vec<f32>,
+    /// Extremes of the cubes that reach [`REACHES`] blocks to every side.
+    extremes: Vec<[f32; 4]>,
 }
+
+/// How far the cubes of [`ExtremeGrid`] reach, the block itself included.
+const REACHES: [f32; 4] = [1.0, 2.0, 3.0, 5.0];
 
 impl ExtremeGrid {
     /// The largest values, or the smallest with their signs turned.
@@ -179,7 +184,12 @@ impl ExtremeGrid {
             let [low, high] = Blocks::interpolated(range);
             if minimum { -low } else { high }
         };
-        Self { layout: Layout::new(blocks), extremes: blocks.ranges().iter().map(extreme).collect() }
+        let one: Vec<f32> = blocks.ranges().iter().map(extreme).collect();
+        let two = spread(blocks.dims(), &one);
+        let three = spread(blocks.dims(), &two);
+        let five = spread(blocks.dims(), &spread(blocks.dims(), &three));
+        let extremes = (0..one.len()).map(|b| [one[b], two[b], three[b], five[b]]).collect();
+        Self { layout: Layout::new(blocks), extremes }
     }
 
     /// The first sample from k on, in every lane, that may exceed `best`, or one beyond the last.
@@ -190,13 +200,55 @@ impl ExtremeGrid {
             let p = rays.at(rays.sample(s, k));
             let met = self.layout.meet(s, &p);
             // SAFETY: `meet` limits positions to the grid, every cell of which has its block.
-            let extreme: F32<S> = unsafe { s.gather::<4>(self.extremes.as_ptr().cast(), met.number) }.bitcast();
-            let dull = rays.has(k) & extreme.simd_le(best);
+            let extremes = unsafe { s.gather_rows::<2>(self.extremes.as_ptr().cast(), met.number) };
+            let dull = rays.has(k) & extremes[0].simd_le(best);
             if !dull.any_true() {
                 return k;
             }
-            let steps = self.layout.leave(s, &p, &met, one, &rays.inverse);
+            let mut reach = one;
+            for further in 1..REACHES.len() {
+                reach = extremes[further].simd_le(best).select(splat(s, REACHES[further]), reach);
+            }
+            let steps = self.layout.leave(s, &p, &met, reach, &rays.inverse);
             k = dull.select(k + steps.ceil().max(one), k);
+        }
+    }
+}
+
+/// The largest of every block and its neighbours, corner to corner.
+fn spread(dims: [usize; 3], values: &[f32]) -> Vec<f32> {
+    let mut values = values.to_vec();
+    let mut stride = 1;
+    for n in dims {
+        let old = values.clone();
+        for (i, value) in values.iter_mut().enumerate() {
+            let along = i / stride % n;
+            if along > 0 {
+                *value = value.max(old[i - stride]);
+            }
+            if along + 1 < n {
+                *value = value.max(old[i + stride]);
+            }
+        }
+        stride *= n;
+    }
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spread_is_the_largest_of_all_neighbours() {
+        let dims = [4usize, 3, 5];
+        let values: Vec<f32> = (0..60).map(|i| (i * 37 % 61) as f32).collect();
+        let found = spread(dims, &values);
+        let at = |i: usize| [i % 4, i / 4 % 3, i / 12];
+        for (i, &largest) in found.iter().enumerate() {
+            let near = |&j: &usize| (0..3).all(|axis| at(i)[axis].abs_diff(at(j)[axis]) <= 1);
+            let expected = (0..60).filter(near).map(|j| values[j]).fold(f32::NEG_INFINITY, f32::max);
+            assert_eq!(largest, expected, "block {i}");
         }
     }
 }

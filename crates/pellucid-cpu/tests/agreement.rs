@@ -6,6 +6,7 @@ mod reference;
 
 use std::sync::Arc;
 
+use common::data::Data;
 use common::random::{Case, case, sparse_case};
 use glam::DVec3;
 use pellucid_cpu::{CpuRenderer, InstructionSet};
@@ -129,13 +130,36 @@ fn slice() -> impl Strategy<Value = Mode> {
         .prop_map(|(combine, normal, thickness)| Mode::Slice(Slice { normal, thickness, combine, ..Slice::default() }))
 }
 
-/// Filters and gradients that are computed lane by lane.
+/// Filters and gradients beside the usual ones.
 fn reconstruction() -> impl Strategy<Value = (Filter, Gradient)> {
-    let lanczos = Filter::Sinc { window: SincWindow::Lanczos, half_width: 3 };
-    let smooth = [false, true].map(|prefilter| Filter::BSpline { prefilter });
-    let filters = vec![Filter::Linear, Filter::Nearest, smooth[0], smooth[1], Filter::CATMULL_ROM, lanczos];
-    let gradients = vec![Gradient::Central, Gradient::Forward, Gradient::Sobel, Gradient::BSpline];
+    let sinc = |window, half_width| Filter::Sinc { window, half_width };
+    let filters = vec![
+        Filter::Linear,
+        Filter::Nearest,
+        Filter::BSpline { prefilter: false },
+        Filter::BSpline { prefilter: true },
+        Filter::CATMULL_ROM,
+        Filter::MITCHELL,
+        sinc(SincWindow::Lanczos, 3),
+        sinc(SincWindow::Kaiser, 2),
+    ];
+    let gradients = vec![
+        Gradient::Central,
+        Gradient::Forward,
+        Gradient::Backward,
+        Gradient::Sobel,
+        Gradient::SobelIsotropic,
+        Gradient::Prewitt,
+        Gradient::Gaussian { sigma: 0.8 },
+        Gradient::BSpline,
+    ];
     (prop::sample::select(filters), prop::sample::select(gradients))
+}
+
+/// Random scenes of volumes that wide sums fit into, and whose middle is away from borders.
+fn roomy_case() -> impl Strategy<Value = Case> {
+    (case(), [6usize..16, 6usize..16, 6usize..16])
+        .prop_map(|(case, dims)| Case { data: Data { dims, ..case.data }, ..case })
 }
 
 /// The modes that leap over empty blocks.
@@ -166,6 +190,24 @@ proptest! {
     fn other_reconstructions(case in case(), (filter, gradient) in reconstruction()) {
         let case = case.reconstructed(filter, gradient);
         check_all(&case, &Mode::Composite, Classification::Post, integrated)?;
+    }
+
+    #[test]
+    fn roomy_reconstructions(case in roomy_case(), (filter, gradient) in reconstruction()) {
+        let case = case.reconstructed(filter, gradient);
+        check_all(&case, &Mode::Composite, Classification::Post, integrated)?;
+    }
+
+    #[test]
+    fn reconstructed_empty_space(case in sparse_case(), (filter, gradient) in reconstruction()) {
+        let case = case.reconstructed(filter, gradient);
+        check_all(&case, &Mode::Composite, Classification::Post, integrated)?;
+    }
+
+    #[test]
+    fn reconstructed_extremes(case in roomy_case(), (filter, gradient) in reconstruction()) {
+        let case = case.reconstructed(filter, gradient);
+        check_all(&case, &Mode::Maximum, Classification::Post, integrated)?;
     }
 
     #[test]

@@ -44,6 +44,17 @@ impl Blocks {
         Ok(blocks)
     }
 
+    /// The same blocks for a filter whose samples leave the range of their voxels by up to a share of
+    /// it on either side ([`Filter::overshoot`](crate::Filter::overshoot)).
+    pub fn overshot(&self, share: f64) -> Self {
+        let overshot = |&[low, high]: &[f32; 2]| {
+            let [a, b] = [f64::from(low), f64::from(high)];
+            let beyond = share * (b - a);
+            if low > high { Self::ABSENT } else { [round_down(a - beyond), -round_down(-b - beyond)] }
+        };
+        Self { ranges: self.ranges.iter().map(overshot).collect(), ..*self }
+    }
+
     /// Blocks per axis.
     pub fn dims(&self) -> [usize; 3] {
         self.dims

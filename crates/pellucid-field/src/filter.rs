@@ -130,6 +130,21 @@ impl Filter {
         }
     }
 
+    /// How far a sample may lie beyond the range of the numbers it weighs (voxels, or a prefiltered
+    /// B-spline's coefficients), in shares of that range: 0 if no weight is negative. Weights that sum
+    /// to 1, and their magnitudes to L along each axis, leave the middle of the range by no more than
+    /// L^3 halves of it.
+    pub fn overshoot(&self) -> f64 {
+        const PARTS: u32 = 256;
+        if self.is_positive() {
+            return 0.0;
+        }
+        let magnitude = |i: u32| self.weights(f64::from(i) / f64::from(PARTS)).iter().map(|w| w.abs()).sum::<f64>();
+        let largest = (0..PARTS).map(magnitude).fold(1.0, f64::max);
+        // The largest sum may lie between the parts.
+        1.001 * 0.5 * (largest.powi(3) - 1.0)
+    }
+
     /// Weights of the voxels `1 - m ..= m` for a sample at fraction `u` in `[0, 1)` of the way from
     /// voxel 0 to voxel 1. They sum to 1; at `u = 0` an interpolating filter has exactly one that
     /// is not zero.

@@ -39,6 +39,29 @@ const SIGMA: std::ops::RangeInclusive<f64> = 0.25..=3.0;
 const MAX_RADIUS: usize = 9;
 
 impl Gradient {
+    /// The estimator as weights of samples one index step apart: smoothing across an axis and
+    /// derivative along it, both from `-r` to `r` with the same r, so that a gradient's x is the sum of
+    /// `derivative(i) smoothing(j) smoothing(k) f(x + i, y + j, z + k)` wherever all of these exist
+    /// (5.3-6). `None` for [`Gradient::BSpline`], whose weights depend on the position.
+    pub fn stencil(&self) -> Option<[Vec<f64>; 2]> {
+        let differences = |derivative: [f64; 3]| Some([vec![0.0, 1.0, 0.0], derivative.to_vec()]);
+        let separable = |stencil: Stencil| {
+            let offsets = -(stencil.radius as i32)..=stencil.radius as i32;
+            let smoothing = offsets.clone().map(|o| stencil.smoothing[o.unsigned_abs() as usize]).collect();
+            Some([smoothing, offsets.map(|o| stencil.derivative(o)).collect()])
+        };
+        match *self {
+            Self::Forward => differences([0.0, -1.0, 1.0]),
+            Self::Backward => differences([-1.0, 1.0, 0.0]),
+            Self::Central => differences([-0.5, 0.0, 0.5]),
+            Self::Sobel => separable(Stencil::three([2.0, 1.0])),
+            Self::SobelIsotropic => separable(Stencil::three([10.0, 3.0])),
+            Self::Prewitt => separable(Stencil::three([1.0, 1.0])),
+            Self::Gaussian { sigma } => separable(Stencil::gaussian(sigma)),
+            Self::BSpline => None,
+        }
+    }
+
     /// Checks the parameters.
     ///
     /// # Errors

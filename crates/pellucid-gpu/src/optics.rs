@@ -98,9 +98,8 @@ impl Optics {
             Mode::Isosurface(surfaces) => levels(surfaces, tf),
             _ => Vec::new(),
         };
-        let blocks = (quality.empty_space_skipping && stage.is_bounded_by_voxels())
-            .then(|| cache.blocks(&volume.volume, volume.component))
-            .transpose()?;
+        let blocks =
+            quality.empty_space_skipping.then(|| cache.blocks(&volume.volume, volume.component)).transpose()?;
         let blocks = blocks.and_then(|blocks| {
             let live = |[low, high]: [f32; 2]| match pass {
                 Pass::Isosurface => levels.iter().any(|level| (low..=high).contains(&level.value[0])),

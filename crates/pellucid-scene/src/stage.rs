@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{Classification, Mode, RayCast, Region, Slice, Stage, StageVolume, Technique};
+use crate::{Mode, RayCast, Region, Slice, Stage, StageVolume, Technique};
 
 impl Stage {
     /// What is made of the samples.
@@ -40,13 +40,5 @@ impl Stage {
             |signs: [f64; 3]| grid.world_from_index().transform_vector3((high - low) * DVec3::from_array(signs));
         let diagonals = [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0]];
         diagonals.map(|signs| corner(signs).length()).into_iter().fold(0.0, f64::max) / self.step
-    }
-
-    /// Whether every classified value lies within the range of the voxels around it, so that blocks of
-    /// voxels bound it. Pre-classified samples blend colours of voxels, which are zero wherever the
-    /// voxels' are, whatever the weights.
-    pub fn is_bounded_by_voxels(&self) -> bool {
-        let pre = self.quality.classification == Classification::Pre;
-        self.quality.filter.is_positive() || (pre && matches!(self.mode(), Mode::Composite))
     }
 }

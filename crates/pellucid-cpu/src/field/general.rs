@@ -6,8 +6,8 @@ use pellucid_field::{Reconstruct, Sampler};
 use super::{Field, Probe};
 use crate::lanes::*;
 
-/// Any reconstruction, in f64, one lane after the other: wide filters and rare voxel types, whose
-/// samples cost so much that vectors would not show.
+/// Any reconstruction, in f64, one lane after the other: for what lanes cannot read, as several
+/// components to a voxel, or sums wider than the grid.
 pub struct General<'a>(pub Probe<'a, Sampler<'a>>);
 
 impl<S: Lanes> Field<S> for General<'_> {

@@ -1,18 +1,31 @@
 //! "What is the field here?": one answer for samples, gradients and surfaces, for all lanes.
 
+mod cube;
 mod general;
+mod kernel;
 mod probe;
+mod separable;
 mod taps;
 mod trilinear;
 mod voxel;
+mod word;
 
 pub use general::{Any, Entered, General, lane_position};
 pub use probe::Probe;
+pub use separable::Separable;
 pub use taps::Bounds;
 pub use trilinear::Trilinear;
-pub use voxel::Texel;
+pub use voxel::{Quad, Texel};
+pub use word::fits;
 
 use crate::lanes::*;
+
+/// What was read for values that gradients at the same positions can use.
+pub struct Near<S: Lanes> {
+    index: Vec3<S>,
+    /// The rows of the cell at (y, z), each with the voxel before and after; see [`Texel::quad`].
+    rows: Option<[Quad<S>; 4]>,
+}
 
 /// A reconstructed field inside its clip region; what is clipped is absent.
 pub trait Field<S: Lanes>: Sync {
@@ -29,4 +42,17 @@ pub trait Field<S: Lanes>: Sync {
     /// Gradients in data units per world unit, one-sided beside whatever is absent or clipped. What
     /// the lanes without a `true` give is not specified.
     fn gradients(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S>;
+
+    /// As [`values`](Field::values), where [gradients](Field::gradients_near) are likely to be asked
+    /// for next.
+    #[inline(always)]
+    fn values_near(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> (F32<S>, Near<S>) {
+        (self.values(s, index, lanes), Near { index, rows: None })
+    }
+
+    /// As [`gradients`](Field::gradients) at the positions of values, for the same lanes or fewer.
+    #[inline(always)]
+    fn gradients_near(&self, s: S, near: &Near<S>, lanes: Mask<S>) -> Vec3<S> {
+        self.gradients(s, near.index, lanes)
+    }
 }

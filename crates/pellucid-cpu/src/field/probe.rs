@@ -55,6 +55,11 @@ impl<'a, R: Reconstruct> Probe<'a, R> {
         })
     }
 
+    /// The field without its region.
+    pub fn field(&self) -> &R {
+        &self.field
+    }
+
     /// Turns a gradient per index step into one per world unit.
     pub fn world_from_index_gradient(&self) -> DMat3 {
         self.world_from_index_gradient

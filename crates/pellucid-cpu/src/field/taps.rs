@@ -32,6 +32,17 @@ impl Bounds {
         self.planes.is_empty()
     }
 
+    /// Lanes around whose position no plane cuts a cube that reaches so far along each axis.
+    #[inline(always)]
+    pub fn surround<S: Lanes>(&self, s: S, p: &Vec3<S>, reach: f32) -> Mask<S> {
+        let mut clear = all(s, true);
+        for (normal, offset) in &self.planes {
+            let deepest = reach * (normal[0].abs() + normal[1].abs() + normal[2].abs());
+            clear &= dot::<S>(xyz!(I => splat(s, normal[I])), *p).simd_ge(splat(s, offset + deepest));
+        }
+        clear
+    }
+
     /// Whether the taps one index step before and after a position along an axis exist. The
     /// position itself does.
     #[inline(always)]

@@ -18,28 +18,20 @@ pub trait Texel: Voxel {
     /// [`Texel::OVERREAD`] voxels more.
     unsafe fn pair<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 2];
 
-    /// The voxels from `offset + d - 1` to `offset + d + 2`, for every lane; anything for those
-    /// before the first and after the last of the data.
+    /// The voxels from `offset + d - 1` to `offset + d + 2`, for every lane, as they are stored;
+    /// anything for those before the first and after the last of the data.
     ///
     /// # Safety
     /// `offset + d` and the one after are in the data, of which there are at least 4, and unless
     /// `at_end` so are all four.
-    #[inline(always)]
-    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 4] {
-        if !at_end {
-            // SAFETY: as the caller's.
-            let ([a, b], [c, d]) =
-                unsafe { (Self::pair(s, data, offset, d - 1, false), Self::pair(s, data, offset, d + 1, false)) };
-            return [a, b, c, d];
-        }
-        let (first, last) = (whole(s, 0), whole(s, data.len() as i32 - 2));
-        let (left, right) = (offset + (d - 1), offset + (d + 1));
-        // SAFETY: moved into the data.
-        let ([a, b], [c, d]) =
-            unsafe { (Self::pair(s, data, left.max(first), 0, true), Self::pair(s, data, right.min(last), 0, true)) };
-        [a, left.simd_lt(first).select(a, b), right.simd_gt(last).select(d, c), d]
-    }
+    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> Quad<S>;
+
+    /// The numbers of a quad.
+    fn numbers<S: Lanes>(s: S, quad: &Quad<S>) -> [F32<S>; 4];
 }
+
+/// Four neighbours along x as they are stored, in as many of the words as they take.
+pub type Quad<S> = [<S as Simd>::u32s; 4];
 
 /// The four bytes from `offset + d` on. If `at_end`, those after the last byte of the data are 0,
 /// as is the one before the first.
@@ -87,10 +79,14 @@ impl Texel for u8 {
     }
 
     #[inline(always)]
-    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 4] {
+    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> Quad<S> {
         // SAFETY: as the caller's.
-        let words = unsafe { bytes(s, data, offset, d - 1, at_end) };
-        rgba!(N => byte::<S>(words, N as u32))
+        [unsafe { bytes(s, data, offset, d - 1, at_end) }; 4]
+    }
+
+    #[inline(always)]
+    fn numbers<S: Lanes>(_: S, quad: &Quad<S>) -> [F32<S>; 4] {
+        rgba!(N => byte::<S>(quad[0], N as u32))
     }
 }
 
@@ -105,10 +101,14 @@ impl Texel for i8 {
     }
 
     #[inline(always)]
-    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 4] {
+    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> Quad<S> {
         // SAFETY: as the caller's.
-        let words = unsafe { bytes(s, data, offset, d - 1, at_end) };
-        rgba!(N => signed_byte::<S>(words, N as u32))
+        [unsafe { bytes(s, data, offset, d - 1, at_end) }; 4]
+    }
+
+    #[inline(always)]
+    fn numbers<S: Lanes>(_: S, quad: &Quad<S>) -> [F32<S>; 4] {
+        rgba!(N => signed_byte::<S>(quad[0], N as u32))
     }
 }
 
@@ -137,6 +137,40 @@ unsafe fn sixteen_bit_quad<S: Lanes, T>(
     let (late, early) = (wanted.simd_gt(there), wanted.simd_lt(there));
     let shifted = late.select((a >> 16) | (b << 16), early.select(a << 16, a));
     [shifted, late.select(b >> 16, early.select((a >> 16) | (b << 16), b))]
+}
+
+/// The voxels of 32 bits from `offset + d - 1` to `offset + d + 2`; anything for those before the first
+/// and after the last of the data.
+///
+/// # Safety
+/// As [`Texel::quad`].
+#[inline(always)]
+pub(super) unsafe fn thirty_two_bit_quad<S: Lanes, T>(
+    s: S,
+    data: &[T],
+    offset: I32<S>,
+    d: i32,
+    at_end: bool,
+) -> Quad<S> {
+    if !at_end {
+        // SAFETY: the caller vouches for four voxels, so `offset` is not negative.
+        let row = unsafe { s.gather_rows::<0>(data.as_ptr().cast::<f32>().offset(d as isize - 1), offset) };
+        return rgba!(N => row[N].bitcast());
+    }
+    let wanted = offset + (d - 1);
+    let there = wanted.max(whole(s, 0)).min(whole(s, data.len() as i32 - 4));
+    // SAFETY: moved into the data.
+    let row = unsafe { s.gather_rows::<0>(data.as_ptr().cast::<f32>(), there) };
+    // One voxel on if the row ends before the last, one back if it starts after the first.
+    let (late, early) = (wanted.simd_gt(there), wanted.simd_lt(there));
+    let [a, b, c, d] = row;
+    let moved = [
+        early.select(a, late.select(b, a)),
+        early.select(a, late.select(c, b)),
+        early.select(b, late.select(d, c)),
+        early.select(c, d),
+    ];
+    rgba!(N => moved[N].bitcast())
 }
 
 /// The low and the high half of words as numbers.
@@ -172,10 +206,15 @@ impl Texel for u16 {
     }
 
     #[inline(always)]
-    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 4] {
+    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> Quad<S> {
         // SAFETY: the caller vouches for four voxels unless at the end.
-        let words = unsafe { sixteen_bit_quad(s, data, offset, d, at_end) };
-        let ([a, b], [c, d]) = (unsigned_words(s, words[0]), unsigned_words(s, words[1]));
+        let [a, b] = unsafe { sixteen_bit_quad(s, data, offset, d, at_end) };
+        [a, b, a, b]
+    }
+
+    #[inline(always)]
+    fn numbers<S: Lanes>(s: S, quad: &Quad<S>) -> [F32<S>; 4] {
+        let ([a, b], [c, d]) = (unsigned_words(s, quad[0]), unsigned_words(s, quad[1]));
         [a, b, c, d]
     }
 }
@@ -191,10 +230,15 @@ impl Texel for i16 {
     }
 
     #[inline(always)]
-    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 4] {
+    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> Quad<S> {
         // SAFETY: the caller vouches for four voxels unless at the end.
-        let words = unsafe { sixteen_bit_quad(s, data, offset, d, at_end) };
-        let ([a, b], [c, d]) = (signed_words(s, words[0]), signed_words(s, words[1]));
+        let [a, b] = unsafe { sixteen_bit_quad(s, data, offset, d, at_end) };
+        [a, b, a, b]
+    }
+
+    #[inline(always)]
+    fn numbers<S: Lanes>(s: S, quad: &Quad<S>) -> [F32<S>; 4] {
+        let ([a, b], [c, d]) = (signed_words(s, quad[0]), signed_words(s, quad[1]));
         [a, b, c, d]
     }
 }
@@ -210,10 +254,15 @@ impl Texel for f16 {
     }
 
     #[inline(always)]
-    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> [F32<S>; 4] {
+    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> Quad<S> {
         // SAFETY: the caller vouches for four voxels unless at the end.
-        let words = unsafe { sixteen_bit_quad(s, data, offset, d, at_end) };
-        let ([a, b], [c, d]) = (half_words(s, words[0]), half_words(s, words[1]));
+        let [a, b] = unsafe { sixteen_bit_quad(s, data, offset, d, at_end) };
+        [a, b, a, b]
+    }
+
+    #[inline(always)]
+    fn numbers<S: Lanes>(s: S, quad: &Quad<S>) -> [F32<S>; 4] {
+        let ([a, b], [c, d]) = (half_words(s, quad[0]), half_words(s, quad[1]));
         [a, b, c, d]
     }
 }
@@ -239,5 +288,64 @@ impl Texel for f32 {
         // SAFETY: the caller vouches for two voxels.
         let [a, b] = unsafe { s.gather_pairs::<4>(data.as_ptr().offset(d as isize).cast(), offset) };
         [a.bitcast(), b.bitcast()]
+    }
+
+    #[inline(always)]
+    unsafe fn quad<S: Lanes>(s: S, data: &[Self], offset: I32<S>, d: i32, at_end: bool) -> Quad<S> {
+        // SAFETY: as the caller's.
+        unsafe { thirty_two_bit_quad(s, data, offset, d, at_end) }
+    }
+
+    #[inline(always)]
+    fn numbers<S: Lanes>(_: S, quad: &Quad<S>) -> [F32<S>; 4] {
+        rgba!(N => quad[N].bitcast())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::{InstructionSet, dispatch};
+
+    /// Every quad of the data, those at its ends too, whose voxels outside may be anything.
+    fn check<S: Lanes, T: Texel>(s: S, data: &[T]) {
+        s.vectorize(
+            #[inline(always)]
+            || {
+                for first in 0..data.len() as i32 - 1 {
+                    let last = data.len() as i32 - 2;
+                    let offset = I32::<S>::from_fn(s, |lane| (first + lane as i32).min(last));
+                    let inside = first > 0 && (first + width::<S>() as i32) < last;
+                    // SAFETY: a voxel and the next are there; and four, unless said to be at the end.
+                    let quad = unsafe { T::quad(s, data, offset - 1, 1, !inside) };
+                    let found = T::numbers(s, &quad);
+                    for lane in 0..width::<S>() {
+                        for (n, numbers) in found.iter().enumerate() {
+                            let at = offset[lane] + n as i32 - 1;
+                            if let Some(voxel) = usize::try_from(at).ok().and_then(|at| data.get(at)) {
+                                assert_eq!(numbers[lane], voxel.to_f32(), "voxel {at} of {}", data.len());
+                            }
+                        }
+                    }
+                }
+            },
+        );
+    }
+
+    #[test]
+    fn quads_are_the_voxels_around() {
+        let numbers = |n: usize| (0..n).map(|i| (i * 37 % 101) as f32 - 30.0);
+        for set in InstructionSet::ALL.into_iter().filter_map(InstructionSet::resolve) {
+            for n in [4, 5, 40] {
+                dispatch!(set, s => {
+                    check(s, &numbers(n).map(|v| v as u8).collect::<Vec<_>>());
+                    check(s, &numbers(n).map(|v| v as i8).collect::<Vec<_>>());
+                    check(s, &numbers(n).map(|v| (v * 900.0) as u16).collect::<Vec<_>>());
+                    check(s, &numbers(n).map(|v| (v * 900.0) as i16).collect::<Vec<_>>());
+                    check(s, &numbers(n).map(f16::from_f32).collect::<Vec<_>>());
+                    check(s, &numbers(n).collect::<Vec<_>>());
+                });
+            }
+        }
     }
 }

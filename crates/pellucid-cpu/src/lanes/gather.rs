@@ -51,17 +51,19 @@ pub trait Lanes: Simd {
         unsafe { [self.gather::<SCALE>(base, offsets), self.gather::<SCALE>(base.add(4), offsets)] }
     }
 
-    /// The four numbers of row `rows`, for every lane: the first of all lanes, the second, ...
-    /// Reading rows whole and turning them costs a third of four gathers.
+    /// The four numbers from number `offset << SHIFT` on, for every lane: the first of all lanes, the
+    /// second, ... A table of rows has a shift of 2. Reading rows whole and turning them costs a third
+    /// of four gathers.
     ///
     /// # Safety
-    /// Every row is readable; none is below 0 or above 2^27.
+    /// All four numbers are readable for every lane, and `offset << SHIFT` is from 0 to below 2^32.
     #[inline(always)]
-    unsafe fn gather_rows(self, base: *const [f32; 4], rows: Self::i32s) -> [Self::f32s; 4] {
+    unsafe fn gather_rows<const SHIFT: u32>(self, base: *const f32, offsets: Self::i32s) -> [Self::f32s; 4] {
+        let numbers: Self::u32s = (offsets << SHIFT).bitcast();
         let mut found = [F32::<Self>::splat(self, 0.0); 4];
         for lane in 0..width::<Self>() {
             // SAFETY: the caller vouches for the row of every lane.
-            let row = unsafe { *base.offset(rows[lane] as isize) };
+            let row = unsafe { base.add(numbers[lane] as usize).cast::<[f32; 4]>().read() };
             for (channel, value) in found.iter_mut().zip(row) {
                 channel[lane] = value;
             }
@@ -101,12 +103,12 @@ mod x86 {
         }
 
         #[inline(always)]
-        unsafe fn gather_rows(self, base: *const [f32; 4], rows: Self::i32s) -> [Self::f32s; 4] {
+        unsafe fn gather_rows<const SHIFT: u32>(self, base: *const f32, offsets: Self::i32s) -> [Self::f32s; 4] {
             // SAFETY: the caller vouches for the rows; the token for the instructions.
             unsafe {
-                // Unsigned bytes: nothing is left to do to a lane's offset but to add it.
-                let bytes: Self::u32s = (rows << 4).bitcast();
-                let row = |lane: usize| _mm_loadu_ps(base.byte_add(bytes[lane] as usize).cast());
+                // Unsigned: nothing is left to do to a lane's offset but to add it.
+                let numbers: Self::u32s = (offsets << SHIFT).bitcast();
+                let row = |lane: usize| _mm_loadu_ps(base.add(numbers[lane] as usize));
                 let (mut a, mut b, mut c, mut d) = (row(0), row(1), row(2), row(3));
                 _MM_TRANSPOSE4_PS(&mut a, &mut b, &mut c, &mut d);
                 [a.simd_into(self), b.simd_into(self), c.simd_into(self), d.simd_into(self)]
@@ -139,12 +141,12 @@ mod x86 {
         }
 
         #[inline(always)]
-        unsafe fn gather_rows(self, base: *const [f32; 4], rows: Self::i32s) -> [Self::f32s; 4] {
+        unsafe fn gather_rows<const SHIFT: u32>(self, base: *const f32, offsets: Self::i32s) -> [Self::f32s; 4] {
             // SAFETY: the caller vouches for the rows; the token for the instructions.
             unsafe {
-                // Unsigned bytes: nothing is left to do to a lane's offset but to add it.
-                let bytes: Self::u32s = (rows << 4).bitcast();
-                let row = |lane: usize| _mm_loadu_ps(base.byte_add(bytes[lane] as usize).cast());
+                // Unsigned: nothing is left to do to a lane's offset but to add it.
+                let numbers: Self::u32s = (offsets << SHIFT).bitcast();
+                let row = |lane: usize| _mm_loadu_ps(base.add(numbers[lane] as usize));
                 // Lane i of a quarter beside lane i + 4.
                 let pair = |lane: usize| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(row(lane)), row(lane + 4));
                 let (a, b, c, d) = (pair(0), pair(1), pair(2), pair(3));
@@ -187,12 +189,12 @@ mod x86 {
         }
 
         #[inline(always)]
-        unsafe fn gather_rows(self, base: *const [f32; 4], rows: Self::i32s) -> [Self::f32s; 4] {
+        unsafe fn gather_rows<const SHIFT: u32>(self, base: *const f32, offsets: Self::i32s) -> [Self::f32s; 4] {
             // SAFETY: the caller vouches for the rows; the token for the instructions.
             unsafe {
-                // Unsigned bytes: nothing is left to do to a lane's offset but to add it.
-                let bytes: Self::u32s = (rows << 4).bitcast();
-                let row = |lane: usize| _mm_loadu_ps(base.byte_add(bytes[lane] as usize).cast());
+                // Unsigned: nothing is left to do to a lane's offset but to add it.
+                let numbers: Self::u32s = (offsets << SHIFT).bitcast();
+                let row = |lane: usize| _mm_loadu_ps(base.add(numbers[lane] as usize));
                 // Lane i of a quarter beside lanes i + 4, i + 8 and i + 12.
                 let four = |lane: usize| {
                     let v = _mm512_castps128_ps512(row(lane));
@@ -236,7 +238,9 @@ mod tests {
                     // SAFETY: as above, with eight bytes.
                     let pairs = unsafe { s.gather_pairs::<2>(bytes.as_ptr(), offsets) };
                     // SAFETY: as above.
-                    let found = unsafe { s.gather_rows(rows.as_ptr(), offsets) };
+                    let found = unsafe { s.gather_rows::<2>(rows.as_ptr().cast(), offsets) };
+                    // SAFETY: as above; rows that start anywhere.
+                    let shifted = unsafe { s.gather_rows::<0>(rows.as_ptr().cast(), offsets) };
                     for lane in 0..width::<S>() {
                         let at = offsets[lane] as usize;
                         let word: [u8; 4] = bytes[2 * at..2 * at + 4].try_into().unwrap();
@@ -244,6 +248,8 @@ mod tests {
                         assert_eq!(words[lane], u32::from_ne_bytes(word));
                         assert_eq!(pairs.map(|lanes| lanes[lane]), [word, next].map(u32::from_ne_bytes));
                         assert_eq!([0, 1, 2, 3].map(|c| found[c][lane]), rows[at]);
+                        let numbers = rows.as_flattened();
+                        assert_eq!([0, 1, 2, 3].map(|c| shifted[c][lane]), numbers[at..at + 4]);
                     }
                 },
             );

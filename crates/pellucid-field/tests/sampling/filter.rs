@@ -32,6 +32,18 @@ proptest! {
         }
     }
 
+    /// The largest sample of voxels from 0 to 1 has 1 wherever the weight is positive.
+    #[test]
+    fn no_sample_overshoots_further(p in [0.0..1.0f64, 0.0..1.0f64, 0.0..1.0f64]) {
+        for filter in FILTERS {
+            let weights = p.map(|u| filter.weights(u).to_vec());
+            let products = weights[0].iter().flat_map(|x| weights[1].iter().map(move |y| x * y));
+            let products: Vec<f64> = products.flat_map(|xy| weights[2].iter().map(move |z| xy * z)).collect();
+            let largest: f64 = products.iter().filter(|w| **w > 0.0).sum();
+            prop_assert!(largest <= 1.0 + filter.overshoot() + 1e-12, "{filter:?}: {largest}");
+        }
+    }
+
     #[test]
     fn weights_are_the_kernel_at_the_taps(u in 0.0..1.0) {
         for filter in FILTERS {
@@ -194,4 +206,12 @@ fn parameters_out_of_range_are_named() {
     assert!(Filter::Bc { b: 0.0, c: f64::INFINITY }.validate().is_err());
     assert!(FILTERS.iter().all(|filter| filter.validate().is_ok()));
     assert_eq!(Filter::default(), Filter::Linear);
+}
+
+/// At the middle of a cell Catmull-Rom's weights are -1/16, 9/16, 9/16, -1/16, and furthest apart.
+#[test]
+fn the_overshoot_of_catmull_rom_is_reached() {
+    assert_close(Filter::CATMULL_ROM.overshoot(), (1.25f64.powi(3) - 1.0) / 2.0, 1e-3);
+    assert_eq!(Filter::Linear.overshoot(), 0.0);
+    assert_eq!(Filter::BSpline { prefilter: true }.overshoot(), 0.0);
 }

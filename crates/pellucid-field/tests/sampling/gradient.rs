@@ -312,3 +312,28 @@ fn world_gradients_have_world_units() {
     let grid = Grid::with_spacing([4, 4, 4], [0.5, 2.0, 4.0], [0.0; 3]).unwrap();
     assert_near(world_gradient(&grid, DVec3::splat(1.0)), DVec3::new(2.0, 0.5, 0.25), 1e-15);
 }
+
+/// The stencils as weights are the estimators, wherever every tap is there.
+#[test]
+fn stencils_are_the_estimators() {
+    let field = |p: DVec3| (0.7 * p.x - 0.4 * p.y).sin() + 0.3 * p.z * p.x + (0.9 * p.z).cos();
+    let p = DVec3::new(0.3, -0.8, 0.5);
+    let gaussian = Gradient::Gaussian { sigma: 1.3 };
+    let kinds = [Gradient::Forward, Gradient::Backward, Gradient::Central, Gradient::Sobel];
+    for kind in kinds.into_iter().chain([Gradient::SobelIsotropic, Gradient::Prewitt, gaussian]) {
+        let [smoothing, derivative] = kind.stencil().unwrap();
+        let (taps, radius) = (smoothing.len(), (smoothing.len() / 2) as f64);
+        let mut sum = DVec3::ZERO;
+        for i in 0..taps * taps * taps {
+            let [x, y, z] = [i % taps, i / taps % taps, i / (taps * taps)];
+            let value = field(p + DVec3::new(x as f64, y as f64, z as f64) - radius);
+            let weight = |along: usize| {
+                let weight = |axis: usize, tap: usize| if axis == along { derivative[tap] } else { smoothing[tap] };
+                weight(0, x) * weight(1, y) * weight(2, z)
+            };
+            sum += value * DVec3::new(weight(0), weight(1), weight(2));
+        }
+        assert_near(sum, index_gradient(kind, p, field(p), field), 1e-12);
+    }
+    assert_eq!(Gradient::BSpline.stencil(), None);
+}
