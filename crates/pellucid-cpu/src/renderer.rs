@@ -128,6 +128,7 @@ fn render(
         samples_skipped: tally.skipped,
         setup_seconds: (drawing - started).as_secs_f64(),
         render_seconds: drawing.elapsed().as_secs_f64(),
+        device_seconds: None,
     };
     frame.warnings.clear();
     if tally.visible == 0 {

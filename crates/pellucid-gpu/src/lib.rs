@@ -14,7 +14,10 @@ mod ray_cast;
 mod renderer;
 mod resident;
 pub mod shaders;
+mod tables;
+mod targets;
 mod texture;
+mod timer;
 mod uniforms;
 
 pub use device::{AdapterChoice, AdapterSummary, Capabilities, Ceiling, Device, adapters};

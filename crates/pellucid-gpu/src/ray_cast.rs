@@ -2,22 +2,24 @@
 
 use std::time::{Duration, Instant};
 
-use bytemuck::{Pod, bytes_of, cast_slice};
-use pellucid_scene::{BLUE_NOISE_TILE, Control, Frame as Picture, Stage, StageVolume, blue_noise};
+use bytemuck::bytes_of;
+use pellucid_scene::{Control, Frame as Picture, Stage, StageVolume};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindingResource, Buffer, BufferBinding,
-    BufferDescriptor, BufferUsages, CommandEncoder, CommandEncoderDescriptor, ComputePassDescriptor, ComputePipeline,
-    FilterMode, MapMode, SamplerDescriptor, TextureFormat, TextureView,
+    BufferUsages, CommandEncoder, CommandEncoderDescriptor, ComputePassDescriptor, ComputePassTimestampWrites,
+    ComputePipeline, FilterMode, SamplerDescriptor, TextureView,
 };
 
 use crate::bricks::{self, Brick};
-use crate::optics::{BlockContent, BlockMap, Optics, lights};
+use crate::optics::lights;
 use crate::pipelines::Pipelines;
 use crate::resident::Resident;
 use crate::shaders::{Pass, Variant};
-use crate::texture;
-use crate::uniforms::{self, Frame, Light, Pixel};
+use crate::tables::{Tables, storage};
+use crate::targets::Targets;
+use crate::timer::Timer;
+use crate::uniforms::{self, Frame, Light};
 use crate::{Device, GpuError};
 
 /// How long the commands of a submission may take: short enough to be cancelled in time, and far from
@@ -29,7 +31,7 @@ const BAND_BYTES: u64 = 64 << 20;
 
 /// How many rows of a picture are drawn at once, learnt from frame to frame.
 #[derive(Default)]
-pub struct Bands {
+struct Bands {
     /// Seconds a row of the last frame took, and the pixels and rays of it.
     row: Option<(f64, u64)>,
 }
@@ -52,6 +54,20 @@ impl Bands {
     }
 }
 
+/// What is used again from frame to frame.
+pub struct Reused {
+    bands: Bands,
+    targets: Option<Targets>,
+    timer: Option<Timer>,
+}
+
+impl Reused {
+    /// Nothing yet, on a device.
+    pub fn new(device: &Device) -> Self {
+        Self { bands: Bands::default(), targets: None, timer: Timer::new(device) }
+    }
+}
+
 /// Everything on the device that one frame is drawn with.
 pub struct RayCaster<'a> {
     device: &'a Device,
@@ -63,10 +79,10 @@ pub struct RayCaster<'a> {
     frame_layout: BindGroupLayout,
     volume_layout: BindGroupLayout,
     table: BindGroup,
-    blocks: TextureView,
+    tables: &'a Tables,
     hardware: bool,
-    /// Frame, planes, noise, lights, levels.
-    parts: [Buffer; 5],
+    /// Frame, planes, lights.
+    parts: [Buffer; 3],
 }
 
 impl<'a> RayCaster<'a> {
@@ -80,9 +96,10 @@ impl<'a> RayCaster<'a> {
         resident: &'a mut Resident,
         stage: &'a Stage,
         volume: &StageVolume,
-        optics: &Optics,
+        tables: &'a Tables,
         hardware: bool,
     ) -> Result<Self, GpuError> {
+        let optics = &tables.optics;
         let grid = volume.volume.grid();
         let region = stage.region(volume);
         let variant = Variant {
@@ -103,9 +120,6 @@ impl<'a> RayCaster<'a> {
             frame.set_blocks(blocks.dims, blocks.size);
         }
         let lights: Vec<Light> = stage.lights.iter().map(Light::from).collect();
-        let noise: Vec<f32> = (0..BLUE_NOISE_TILE * BLUE_NOISE_TILE)
-            .map(|cell| blue_noise(cell % BLUE_NOISE_TILE, cell / BLUE_NOISE_TILE, 0) as f32)
-            .collect();
         let uniform = BufferInitDescriptor {
             label: Some("frame"),
             contents: bytes_of(&frame),
@@ -114,18 +128,14 @@ impl<'a> RayCaster<'a> {
         let parts = [
             device.device.create_buffer_init(&uniform),
             storage(device, "planes", &uniforms::planes(&region, grid)),
-            storage(device, "noise", &noise),
             storage(device, "lights", &lights),
-            storage(device, "levels", &optics.levels),
         ];
-        let blocks = block_texture(device, optics.blocks.as_ref(), optics.pass.compares_extremes());
         let resolve = pipelines.get(device, Variant::of(Pass::Resolve))?.pipeline.clone();
         let march = pipelines.get(device, variant)?;
-        let entries = storage(device, "table", &optics.entries);
         let table = device.device.create_bind_group(&BindGroupDescriptor {
             label: Some("tables"),
             layout: &march.groups[2],
-            entries: &[BindGroupEntry { binding: 0, resource: entries.as_entire_binding() }],
+            entries: &[BindGroupEntry { binding: 0, resource: tables.entries.as_entire_binding() }],
         });
         let mut bricks = resident.bricks.clone();
         bricks::sort(&mut bricks, stage, grid);
@@ -139,7 +149,7 @@ impl<'a> RayCaster<'a> {
             frame_layout: march.groups[0].clone(),
             volume_layout: march.groups[1].clone(),
             table,
-            blocks,
+            tables,
             hardware: variant.hardware,
             parts,
         })
@@ -149,33 +159,51 @@ impl<'a> RayCaster<'a> {
     ///
     /// # Errors
     /// [`GpuError::Cancelled`], or what the device reports.
-    pub fn draw(&mut self, bands: &mut Bands, control: &Control, picture: &mut Picture) -> Result<(), GpuError> {
+    pub fn draw(
+        &mut self,
+        Reused { bands, targets, timer }: &mut Reused,
+        control: &Control,
+        picture: &mut Picture,
+    ) -> Result<(), GpuError> {
         let (width, height) = (picture.width as u32, picture.height as u32);
         let rays = self.stage.quality.supersampling.pow(2);
         let most = (BAND_BYTES / (uniforms::STATE_BYTES * u64::from(width))).max(1) as u32;
         let work = u64::from(width) * u64::from(rays);
-        let mut targets: Option<Targets> = None;
+        let mut busy = timer.as_ref().map(|_| 0.0);
         let mut row = 0;
         while row < height {
             if control.is_cancelled() {
                 return Err(GpuError::Cancelled);
             }
             let rows = bands.rows(work, most.min(height)).min(most).min(height - row);
-            if targets.as_ref().is_none_or(|targets| targets.rows < rows) {
-                targets = Some(Targets::new(self.device, width, rows));
-            }
-            let Some(targets) = &targets else { continue };
+            let fits = |targets: &Targets| targets.width == width && targets.rows >= rows;
+            let room = match targets.take() {
+                Some(targets) if fits(&targets) => targets,
+                _ => Targets::new(self.device, width, rows),
+            };
             let started = Instant::now();
-            self.draw_band(targets, row, rows, rays)?;
-            targets.read(self.device, row, rows, picture)?;
+            self.draw_band(&room, timer.as_ref(), row, rows, rays)?;
+            room.read(self.device, row, rows, picture)?;
+            if let (Some(busy), Some(timer)) = (&mut busy, timer.as_ref()) {
+                *busy += timer.seconds().unwrap_or(0.0);
+            }
+            *targets = Some(room);
             bands.learn(rows, work, started.elapsed());
             row += rows;
             control.report(f64::from(row) / f64::from(height));
         }
+        picture.statistics.device_seconds = busy;
         Ok(())
     }
 
-    fn draw_band(&mut self, targets: &Targets, row: u32, rows: u32, rays: u32) -> Result<(), GpuError> {
+    fn draw_band(
+        &mut self,
+        targets: &Targets,
+        timer: Option<&Timer>,
+        row: u32,
+        rows: u32,
+        rays: u32,
+    ) -> Result<(), GpuError> {
         let align = u64::from(self.device.capabilities.limits.min_uniform_buffer_offset_alignment);
         let stride = (size_of::<uniforms::Pass>() as u64).next_multiple_of(align);
         let count = self.bricks.len() as u64 * u64::from(rays);
@@ -200,26 +228,31 @@ impl<'a> RayCaster<'a> {
         });
         let frame = self.frame_group(targets, &passes);
         let mut encoder = self.encoder();
+        let last = (rays - 1, self.bricks.len() - 1);
         for sub in 0..rays {
-            let mut offset = 0;
             for number in 0..self.bricks.len() {
                 let brick = self.bricks[number];
                 let view = self.resident.texture(self.device, &brick)?;
                 let volume = self.volume_group(&view);
-                offset = ((u64::from(sub) * self.bricks.len() as u64 + number as u64) * stride) as u32;
-                dispatch(&mut encoder, &self.march, &[&frame, &volume, &self.table], offset, targets.width, rows);
+                let offset = ((u64::from(sub) * self.bricks.len() as u64 + number as u64) * stride) as u32;
+                let groups = [&frame, &volume, &self.table];
+                let size = [targets.width, rows];
+                let writes = |first, last| timer.and_then(|timer| timer.writes(first, last));
+                dispatch(&mut encoder, &self.march, &groups, offset, size, writes((sub, number) == (0, 0), false));
                 if !self.resident.is_complete() {
                     // The next upload needs the memory of this brick.
                     self.device.queue.submit([std::mem::replace(&mut encoder, self.encoder()).finish()]);
                     self.device.wait()?;
                 }
-                if number + 1 == self.bricks.len() {
-                    dispatch(&mut encoder, &self.resolve, &[&frame, &volume, &self.table], offset, targets.width, rows);
+                if number == last.1 {
+                    dispatch(&mut encoder, &self.resolve, &groups, offset, size, writes(false, (sub, number) == last));
                 }
             }
-            let _ = offset;
         }
         targets.copy(&mut encoder, rows);
+        if let Some(timer) = timer {
+            timer.copy(&mut encoder);
+        }
         self.device.queue.submit([encoder.finish()]);
         Ok(())
     }
@@ -229,7 +262,8 @@ impl<'a> RayCaster<'a> {
     }
 
     fn frame_group(&self, targets: &Targets, passes: &Buffer) -> BindGroup {
-        let [frame, planes, noise, lights, levels] = &self.parts;
+        let [frame, planes, lights] = &self.parts;
+        let Tables { noise, levels, .. } = self.tables;
         let size = std::num::NonZeroU64::new(size_of::<uniforms::Pass>() as u64);
         let pass = BindingResource::Buffer(BufferBinding { buffer: passes, offset: 0, size });
         let buffers = [(2, planes), (3, noise), (4, lights), (5, &targets.states), (6, levels), (7, &targets.pixels)];
@@ -254,7 +288,7 @@ impl<'a> RayCaster<'a> {
         });
         let mut entries = vec![
             BindGroupEntry { binding: 0, resource: BindingResource::TextureView(volume) },
-            BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&self.blocks) },
+            BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&self.tables.blocks) },
         ];
         if self.hardware {
             entries.push(BindGroupEntry { binding: 1, resource: BindingResource::Sampler(&sampler) });
@@ -272,102 +306,13 @@ fn dispatch(
     pipeline: &ComputePipeline,
     groups: &[&BindGroup; 3],
     offset: u32,
-    width: u32,
-    rows: u32,
+    [width, rows]: [u32; 2],
+    timestamp_writes: Option<ComputePassTimestampWrites>,
 ) {
-    let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor { label: None, timestamp_writes: None });
+    let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor { label: None, timestamp_writes });
     pass.set_pipeline(pipeline);
     pass.set_bind_group(0, groups[0], &[offset]);
     pass.set_bind_group(1, groups[1], &[]);
     pass.set_bind_group(2, groups[2], &[]);
     pass.dispatch_workgroups(width.div_ceil(8), rows.div_ceil(8), 1);
 }
-
-/// A buffer that shaders read; never empty, as bindings cannot be.
-fn storage<T: Pod>(device: &Device, label: &str, content: &[T]) -> Buffer {
-    let nothing = [0u8; 64];
-    let contents = if content.is_empty() { &nothing } else { cast_slice(content) };
-    let usage = BufferUsages::STORAGE;
-    device.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
-}
-
-/// The blocks as a texture; a single one where none is asked.
-fn block_texture(device: &Device, blocks: Option<&BlockMap>, extremes: bool) -> TextureView {
-    let format = if extremes { TextureFormat::R32Float } else { TextureFormat::R8Uint };
-    let (dims, bytes): ([usize; 3], &[u8]) = match blocks {
-        None => ([1; 3], &[0; 4]),
-        Some(BlockMap { dims, content: BlockContent::Distances(distances), .. }) => (*dims, distances),
-        Some(BlockMap { dims, content: BlockContent::Extremes(extremes), .. }) => (*dims, cast_slice(extremes)),
-    };
-    let texture = texture::of_bytes(device, "blocks", format, dims, bytes);
-    texture.create_view(&Default::default())
-}
-
-/// What a band is drawn into.
-struct Targets {
-    width: u32,
-    rows: u32,
-    states: Buffer,
-    pixels: Buffer,
-    copied: Buffer,
-}
-
-impl Targets {
-    fn new(device: &Device, width: u32, rows: u32) -> Self {
-        let count = u64::from(width) * u64::from(rows);
-        let buffer = |label, bytes: u64, usage| {
-            let descriptor =
-                BufferDescriptor { label: Some(label), size: count * bytes, usage, mapped_at_creation: false };
-            device.device.create_buffer(&descriptor)
-        };
-        let pixel = size_of::<Pixel>() as u64;
-        Self {
-            width,
-            rows,
-            states: buffer("states", uniforms::STATE_BYTES, BufferUsages::STORAGE),
-            pixels: buffer("pixels", pixel, BufferUsages::STORAGE | BufferUsages::COPY_SRC),
-            copied: buffer("copied", pixel, BufferUsages::MAP_READ | BufferUsages::COPY_DST),
-        }
-    }
-
-    fn bytes(&self, rows: u32) -> u64 {
-        u64::from(self.width) * u64::from(rows) * size_of::<Pixel>() as u64
-    }
-
-    fn copy(&self, encoder: &mut CommandEncoder, rows: u32) {
-        encoder.copy_buffer_to_buffer(&self.pixels, 0, &self.copied, 0, self.bytes(rows));
-    }
-
-    /// Waits for a band and puts it into the picture.
-    fn read(&self, device: &Device, row: u32, rows: u32, picture: &mut Picture) -> Result<(), GpuError> {
-        let slice = self.copied.slice(..self.bytes(rows));
-        // A failure is reported by the device, too.
-        slice.map_async(MapMode::Read, |_| ());
-        device.wait()?;
-        let mapped = slice.get_mapped_range().map_err(|error| GpuError::Lost { reason: error.to_string() })?;
-        let pixels: &[Pixel] = cast_slice(&mapped);
-        let start = row as usize * picture.width;
-        let statistics = &mut picture.statistics;
-        for (place, pixel) in (start..).zip(pixels) {
-            picture.color[place] = pixel.color;
-            let [x, y, z, depth] = pixel.surface;
-            if depth < NOWHERE {
-                picture.depth[place] = depth;
-                picture.normal[place] = [x, y, z];
-            }
-            let [samples, visible, skipped, rays] = pixel.counts;
-            picture.samples[place] = samples;
-            statistics.samples += u64::from(samples);
-            statistics.samples_visible += u64::from(visible);
-            statistics.samples_skipped += u64::from(skipped);
-            statistics.rays_hit += u64::from(rays & 0xffff);
-            statistics.rays_terminated += u64::from(rays >> 16);
-        }
-        drop(mapped);
-        self.copied.unmap();
-        Ok(())
-    }
-}
-
-/// Depth of a pixel that met nothing; `march.wgsl` has the same.
-const NOWHERE: f32 = 1e30;

@@ -5,10 +5,11 @@ use std::time::Instant;
 use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, StageVolume};
 
 use crate::device::Device;
-use crate::optics::{BlockCache, Optics};
+use crate::optics::BlockCache;
 use crate::pipelines::Pipelines;
-use crate::ray_cast::{Bands, RayCaster};
+use crate::ray_cast::{RayCaster, Reused};
 use crate::resident::Resident;
+use crate::tables::Tables;
 use crate::{AdapterChoice, Ceiling, GpuError};
 
 /// How the field is interpolated between voxels.
@@ -29,7 +30,8 @@ pub struct GpuRenderer {
     pipelines: Pipelines,
     blocks: BlockCache,
     resident: Option<Resident>,
-    bands: Bands,
+    tables: Option<Tables>,
+    reused: Reused,
 }
 
 impl GpuRenderer {
@@ -44,12 +46,13 @@ impl GpuRenderer {
     /// A renderer on an open device.
     pub fn on(device: Device) -> Self {
         Self {
+            reused: Reused::new(&device),
             device,
             interpolation: Interpolation::default(),
             pipelines: Pipelines::default(),
             blocks: BlockCache::default(),
             resident: None,
-            bands: Bands::default(),
+            tables: None,
         }
     }
 
@@ -84,7 +87,8 @@ impl GpuRenderer {
         };
         check_steps(stage, volume)?;
         let started = Instant::now();
-        let optics = Optics::new(stage, volume, &mut self.blocks)?;
+        let tables = Tables::of(self.tables.take(), &self.device, stage, volume, &mut self.blocks)?;
+        let tables = self.tables.insert(tables);
         let mut resident = match self.resident.take() {
             Some(resident) if resident.holds(volume, stage) => resident,
             _ => Resident::plan(&self.device, volume, stage)?,
@@ -93,9 +97,8 @@ impl GpuRenderer {
         frame.clear(stage.viewpoint.width, stage.viewpoint.height);
         let hardware = self.interpolation == Interpolation::Hardware;
         let mut caster =
-            RayCaster::new(&self.device, &mut self.pipelines, &mut resident, stage, volume, &optics, hardware)?;
-        let drawn = caster.draw(&mut self.bands, control, frame);
-        drawn?;
+            RayCaster::new(&self.device, &mut self.pipelines, &mut resident, stage, volume, tables, hardware)?;
+        caster.draw(&mut self.reused, control, frame)?;
         self.resident = Some(resident);
         let rays = (stage.viewpoint.width * stage.viewpoint.height) as u64;
         frame.statistics = FrameStatistics {

@@ -44,6 +44,8 @@ pub struct FrameStatistics {
     pub setup_seconds: f64,
     /// Seconds to draw.
     pub render_seconds: f64,
+    /// Seconds of them that a graphics processor worked, by its own clock, if it has one.
+    pub device_seconds: Option<f64>,
 }
 
 /// Something a user should hear of although the picture was drawn.
@@ -113,5 +115,9 @@ impl FrameStatistics {
         self.samples_skipped += other.samples_skipped;
         self.setup_seconds += other.setup_seconds;
         self.render_seconds += other.render_seconds;
+        self.device_seconds = match (self.device_seconds, other.device_seconds) {
+            (Some(a), Some(b)) => Some(a + b),
+            (a, b) => a.or(b),
+        };
     }
 }

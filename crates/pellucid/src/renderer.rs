@@ -167,6 +167,15 @@ impl Renderer {
         }
     }
 
+    /// The GPU backend, if it draws.
+    #[cfg(feature = "gpu")]
+    pub fn gpu(&self) -> Option<&GpuRenderer> {
+        match &self.engine {
+            Engine::Cpu(_) => None,
+            Engine::Gpu(gpu) => Some(gpu),
+        }
+    }
+
     /// Draws a frame.
     ///
     /// # Errors

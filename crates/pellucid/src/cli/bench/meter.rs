@@ -48,6 +48,16 @@ impl<'a> Meter<'a> {
         Self::new(Plan { engine: self.plan.engine.with_threads(threads), ..self.plan })
     }
 
+    /// What draws, in words.
+    pub fn describe(&self) -> String {
+        self.renderer.describe()
+    }
+
+    /// What the graphics adapter can do, if one draws.
+    pub fn capabilities(&self) -> Option<String> {
+        self.renderer.gpu().map(|gpu| gpu.device().capabilities.to_string())
+    }
+
     /// Threads that draw.
     pub fn threads(&self) -> u16 {
         self.threads

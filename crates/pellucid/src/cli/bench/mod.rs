@@ -130,7 +130,8 @@ fn measure_one(args: &BenchArgs, input: &Input, plan: Plan, report: Report) -> R
     for sweep in &measure.sweep {
         sweeps.push((*sweep, sweep.run(&subject, &mut meter, measure.largest as usize)?));
     }
-    Ok(Results { subject, degrees: measure.orbit, orbit, sweeps })
+    let (renderer, capabilities) = (meter.describe(), meter.capabilities());
+    Ok(Results { subject, renderer, capabilities, degrees: measure.orbit, orbit, sweeps })
 }
 
 fn save(path: &Path, frame: &Frame, subject: &Subject) -> Result<(), Failure> {

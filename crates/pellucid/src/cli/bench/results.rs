@@ -11,6 +11,10 @@ use crate::cli::info::choices_json;
 pub struct Results {
     /// The scene.
     pub subject: Subject,
+    /// What draws, in words.
+    pub renderer: String,
+    /// What the graphics adapter can do, if one draws.
+    pub capabilities: Option<String>,
     /// What the frames of [`Results::orbit`] walked.
     pub degrees: f64,
     /// The frames of the walk.
@@ -29,13 +33,24 @@ impl Results {
         let mut text = format!(
             "{name}, {width}x{height}: loaded in {load_seconds:.3} s, first picture {first_ms:.1} ms later, then {walk}\n"
         );
+        text += &format!("drawn on: {}\n", self.renderer);
         text += &table("orbit", &[("".into(), &self.orbit)]);
+        if let Some(ms) = self.orbit.device_ms() {
+            let rate = self.voxel_gigabytes() / ms * 1e3;
+            text += &format!("by the adapter's own clock: {ms:.2} ms, {rate:.1} GB/s of voxels\n");
+        }
         for (sweep, rows) in &self.sweeps {
             let lines: Vec<(String, &Timing)> = rows.iter().map(|row| (row.label.clone(), &row.timing)).collect();
             text += &format!("\n{}", table(sweep.name(), &lines));
             text += &format!("slowest / fastest: {:.2}\n", spread(rows));
         }
         text
+    }
+
+    /// Voxels that the samples of a frame stand on, in gigabytes: eight for each.
+    fn voxel_gigabytes(&self) -> f64 {
+        let bytes = self.subject.volumes.first().map_or(0, |volume| volume.voxels().voxel_type().size());
+        self.orbit.samples() * 8.0 * bytes as f64 / 1e9
     }
 
     /// Everything for programs.
@@ -52,6 +67,9 @@ impl Results {
         });
         json!({
             "input": name,
+            "renderer": self.renderer,
+            "capabilities": self.capabilities,
+            "voxel_gigabytes": self.voxel_gigabytes(),
             "volumes": volumes.collect::<Vec<_>>(),
             "width": stage.viewpoint.width,
             "height": stage.viewpoint.height,

@@ -60,6 +60,17 @@ impl Timing {
         median(self.laps.iter().map(|lap| seconds(lap) * 1e3).collect())
     }
 
+    /// Median time the graphics processor worked for a frame, by its own clock, in milliseconds.
+    pub fn device_ms(&self) -> Option<f64> {
+        let all: Option<Vec<f64>> = self.laps.iter().map(|lap| Some(lap.statistics.device_seconds? * 1e3)).collect();
+        all.map(median)
+    }
+
+    /// Mean samples of a frame.
+    pub fn samples(&self) -> f64 {
+        self.mean(|counts| counts.samples)
+    }
+
     fn total(&self, count: impl Fn(&FrameStatistics) -> u64) -> f64 {
         self.laps.iter().map(|lap| count(&lap.statistics) as f64).sum()
     }
@@ -102,6 +113,7 @@ impl Timing {
             "frames_ms": self.all_ms(),
             "setup_ms": self.part_ms(|lap| lap.statistics.setup_seconds),
             "render_ms": self.part_ms(|lap| lap.statistics.render_seconds),
+            "device_ms": self.device_ms(),
             "encode_ms": self.part_ms(|lap| lap.encode),
             "rays": self.mean(|counts| counts.rays),
             "rays_hit": self.mean(|counts| counts.rays_hit),
