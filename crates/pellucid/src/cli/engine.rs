@@ -7,7 +7,8 @@ use pellucid::{Backend, InstructionSet, RenderError, Renderer};
 
 use super::values;
 
-const BACKENDS: [(&str, Backend); 3] = [("auto", Backend::Auto), ("cpu", Backend::Cpu), ("gpu", Backend::Gpu)];
+/// Backends by name.
+pub const BACKENDS: [(&str, Backend); 3] = [("auto", Backend::Auto), ("cpu", Backend::Cpu), ("gpu", Backend::Gpu)];
 const SETS: [(&str, InstructionSet); 4] = [
     ("auto", InstructionSet::Auto),
     ("avx512", InstructionSet::Avx512),
@@ -71,6 +72,13 @@ impl Engine {
         };
         let ceiling = Ceiling { memory: self.gpu_memory.map(|mib| mib << 20), ..Ceiling::default() };
         Ok(GpuRenderer::new(&choice, &ceiling)?.with_interpolation(self.interpolation))
+    }
+
+    /// The same with this backend.
+    pub fn on(&self, backend: Backend) -> Self {
+        // An adapter that was named stays the one of every GPU picture.
+        let adapter = self.adapter.clone().filter(|_| backend != Backend::Cpu);
+        Self { backend, adapter, ..self.clone() }
     }
 
     /// Threads asked for, or as many as there are cores.

@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, one per concern.
 
 mod bench;
+mod compare;
 mod completions;
 mod convert;
 mod engine;
@@ -58,6 +59,9 @@ enum Command {
     /// Measure how fast scenes and volumes are drawn
     #[command(after_long_help = bench::EXAMPLES)]
     Bench(Box<bench::BenchArgs>),
+    /// Draw a scene in several ways, and tell how far the pictures are apart
+    #[command(after_long_help = compare::EXAMPLES)]
+    Compare(Box<compare::CompareArgs>),
     /// Tell what is in volume files, with a histogram
     Info(info::InfoArgs),
     /// Write a built-in field to a volume file
@@ -86,6 +90,7 @@ pub fn main() -> ExitCode {
     let done = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Sample(args) => sample::run(&args),
         Command::Convert(args) => convert::run(&args),

@@ -1,5 +1,6 @@
 //! `--set PATH=VALUE`: any setting of the scene document by its place in it.
 
+use std::fmt;
 use std::str::FromStr;
 
 use pellucid::scene::{Scene, json_schema};
@@ -28,6 +29,13 @@ impl FromStr for Setting {
     fn from_str(text: &str) -> Result<Self, String> {
         let (path, value) = text.split_once('=').ok_or("expected PATH=VALUE, as in quality.step=0.25")?;
         Ok(Self { path: parse_path(path.trim())?, value: parse_value(value.trim())? })
+    }
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let value = self.value.as_ref().map(|value| value.as_str().map_or_else(|| value.to_string(), str::to_owned));
+        write!(f, "{}={}", self.path_text(self.path.len() - 1), value.unwrap_or_default())
     }
 }
 

@@ -21,9 +21,10 @@ use super::input::{Input, RawFlags};
 use super::report::{Report, print, print_json};
 use super::{interrupt, output, values};
 use machine::Machine;
-use meter::Plan;
+pub use meter::{Meter, Plan};
 use results::Results;
 use subject::Subject;
+pub use subject::still;
 use sweep::{SWEEPS, Sweep};
 
 /// Shown at the end of `pellucid bench --help`.

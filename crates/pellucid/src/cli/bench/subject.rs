@@ -104,11 +104,10 @@ impl Subject {
     }
 }
 
-/// Frames of a scene over loaded volumes, all from its own camera.
-pub fn still(scene: &Scene, volumes: &[Arc<Volume>], meter: &mut Meter) -> Result<Timing, Failure> {
+/// Frames of a scene over loaded volumes, all from its own camera, and the first one timed.
+pub fn still(scene: &Scene, volumes: &[Arc<Volume>], meter: &mut Meter) -> Result<(Timing, Frame), Failure> {
     affordable(&scene.image, 1)?;
     let (mut stage, _) = scene.resolve(volumes)?;
     let view = stage.viewpoint;
-    let (timing, _) = meter.measure(&mut stage, |_, stage| Ok(stage.look_from(view, &scene.lighting)?))?;
-    Ok(timing)
+    meter.measure(&mut stage, |_, stage| Ok(stage.look_from(view, &scene.lighting)?))
 }

@@ -81,7 +81,7 @@ impl Sweep {
 }
 
 fn all(variants: Vec<Variant>, subject: &Subject, meter: &mut Meter) -> Result<Vec<Row>, Failure> {
-    let row = |(label, scene)| Ok(Row { label, timing: still(&scene, &subject.volumes, meter)? });
+    let row = |(label, scene)| Ok(Row { label, timing: still(&scene, &subject.volumes, meter)?.0 });
     variants.into_iter().map(row).collect()
 }
 
@@ -91,7 +91,7 @@ fn threads(subject: &Subject, meter: &Meter) -> Result<Vec<Row>, Failure> {
     let counts = successors(Some(1), |n: &u16| n.checked_mul(2)).take_while(|n| *n < most).chain([most]);
     let row = |count: u16| {
         let mut meter = meter.with_threads(count)?;
-        Ok(Row { label: count.to_string(), timing: still(&subject.scene, &subject.volumes, &mut meter)? })
+        Ok(Row { label: count.to_string(), timing: still(&subject.scene, &subject.volumes, &mut meter)?.0 })
     };
     counts.map(row).collect()
 }
@@ -123,7 +123,7 @@ fn volumes(subject: &Subject, meter: &mut Meter, largest: usize) -> Result<Vec<R
         let source = SampleSource { dims: Some([n; 3]), voxel_type: Some(voxel_type), ..sample.clone() };
         scene.volumes.iter_mut().for_each(|entry| entry.source = Source::Sample(source.clone()));
         let (volumes, _) = load(&scene, "")?;
-        Ok(Row { label: format!("{n}^3 {voxel_type}"), timing: still(&scene, &volumes, meter)? })
+        Ok(Row { label: format!("{n}^3 {voxel_type}"), timing: still(&scene, &volumes, meter)?.0 })
     };
     kinds.map(row).collect()
 }

@@ -1,0 +1,268 @@
+//! `pellucid compare`.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use pellucid::field::Volume;
+use pellucid::io::{PngPixels, Transfer, write_png};
+use pellucid::load;
+use pellucid::scene::{Frame, ImageSettings, Scene};
+use serde_json::{Value, json};
+
+use super::bench::{Meter, Plan, still};
+use super::engine::{BACKENDS, Engine};
+use super::failure::Failure;
+use super::flags::{SceneFlags, Staged};
+use super::input::{Input, RawFlags};
+use super::report::{Report, print, print_json};
+use super::set::{self, Setting};
+use super::{interrupt, output, render};
+use pellucid::Backend;
+
+/// Shown at the end of `pellucid compare --help`.
+pub const EXAMPLES: &str = "\
+The first picture is the one that the others are compared with. Upper row: the pictures; lower row: how
+far each is from the first, times --gain.
+
+Examples:
+  pellucid compare sample:head --techniques ray-cast@cpu,ray-cast@gpu -o backends.png
+  pellucid compare ct.nrrd --also quality.step=0.25 --also 'quality.step=2; quality.classification=pre_integrated' -o steps.png
+  pellucid compare scene.toml --techniques ray-cast,view-aligned,object-aligned -o slices.png";
+
+#[derive(clap::Args)]
+pub struct CompareArgs {
+    /// A volume file, a scene (.toml, .json), or a built-in field as sample:NAME
+    input: Input,
+    /// Techniques to draw with, the reference first: ray-cast, view-aligned, object-aligned, multi-texture,
+    /// shells; each may say where, as ray-cast@cpu or ray-cast@gpu [default: the scene's own]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    techniques: Vec<Rendition>,
+    /// One more picture, of the first technique with these settings (as --set takes them, separated by
+    /// semicolons). Repeatable
+    #[arg(long, value_name = "PATH=VALUE;...")]
+    also: Vec<Settings>,
+    /// The pictures and their differences, side by side
+    #[arg(short, long, value_name = "FILE.png")]
+    output: Option<PathBuf>,
+    /// How much brighter differences are drawn than they are
+    #[arg(long, value_name = "FACTOR", default_value = "16")]
+    gain: f32,
+    /// Frames timed for each picture, after one that is not
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), default_value = "3")]
+    frames: u16,
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
+    /// Say nothing on standard error but errors
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    engine: Engine,
+    #[command(flatten)]
+    scene: SceneFlags,
+    #[command(flatten)]
+    raw: RawFlags,
+}
+
+/// Settings of the scene document.
+#[derive(Clone, Debug, Default)]
+struct Settings(Vec<Setting>);
+
+impl FromStr for Settings {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        text.split(';').map(|part| part.trim().parse()).collect::<Result<_, _>>().map(Self)
+    }
+}
+
+/// One way to draw the scene.
+#[derive(Clone, Debug, Default)]
+struct Rendition {
+    label: String,
+    settings: Settings,
+    backend: Option<Backend>,
+}
+
+/// The techniques by name, and what makes a scene theirs; nothing if it may be one already.
+const TECHNIQUES: [(&str, &str); 5] = [
+    ("ray-cast", ""),
+    ("view-aligned", "technique.slicing.geometry=view_aligned"),
+    ("object-aligned", "technique.slicing.geometry=object_aligned"),
+    ("multi-texture", "technique.slicing.geometry=multi_texture"),
+    ("shells", "technique.slicing.geometry=shells"),
+];
+
+impl FromStr for Rendition {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, place) = text.split_once('@').map_or((text, None), |(name, place)| (name, Some(place)));
+        let names = || TECHNIQUES.map(|(name, _)| name).join(", ");
+        let technique = TECHNIQUES.iter().find(|(known, _)| *known == name);
+        let (_, setting) = technique.ok_or_else(|| format!("'{name}' is none of {}", names()))?;
+        let backend = |place: &str| {
+            let found = BACKENDS.iter().find(|(known, _)| *known == place);
+            found.map(|(_, backend)| *backend).ok_or_else(|| format!("'{place}' is none of auto, cpu, gpu"))
+        };
+        Ok(Self {
+            label: text.to_owned(),
+            settings: if setting.is_empty() { Settings::default() } else { setting.parse()? },
+            backend: place.map(backend).transpose()?,
+        })
+    }
+}
+
+/// A picture and its figures.
+struct Drawn {
+    label: String,
+    renderer: String,
+    rgba: Vec<u8>,
+    median_ms: f64,
+    samples: f64,
+    error: Difference,
+}
+
+pub fn run(args: &CompareArgs) -> Result<(), Failure> {
+    let report = Report { quiet: args.quiet };
+    let cancel = interrupt::listen();
+    let base = args.input.open(&args.raw)?;
+    let scene = args.scene.apply(&base.scene)?;
+    render::affordable(&scene.image, 1)?;
+    if let Some(path) = &args.output {
+        output::writable(path)?;
+    }
+    let (volumes, warnings) = load(&scene, &base.folder)?;
+    let Staged { scene, choices, .. } = args.scene.stage(&base.scene, scene, &volumes)?;
+    let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    report.opening(&volumes, &choices, &warnings);
+    let mut drawn: Vec<Drawn> = Vec::new();
+    for rendition in args.renditions() {
+        let plan = Plan {
+            engine: rendition.backend.map_or_else(|| args.engine.clone(), |backend| args.engine.on(backend)),
+            frames: args.frames.into(),
+            warmup: 1,
+            cancel: &cancel,
+            quiet: args.quiet,
+        };
+        drawn.push(draw(&rendition, &scene, &volumes, plan, drawn.first())?);
+    }
+    if let Some(path) = &args.output {
+        interrupt::gracefully(|| sheet(path, &drawn, &scene.image, args.gain))?;
+        report.say(format_args!("wrote {}", path.display()));
+    }
+    if args.json { print_json(&json(&drawn)) } else { print(&table(&drawn)) }
+}
+
+impl CompareArgs {
+    /// The pictures to draw: those of the techniques, then those with other settings.
+    fn renditions(&self) -> Vec<Rendition> {
+        let own = Rendition { label: "scene".into(), ..Rendition::default() };
+        let mut all = if self.techniques.is_empty() { vec![own] } else { self.techniques.clone() };
+        let first = all[0].clone();
+        all.extend(self.also.iter().map(|also| {
+            let settings = first.settings.0.iter().chain(&also.0).cloned().collect();
+            let label = also.0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
+            Rendition { label, settings: Settings(settings), backend: first.backend }
+        }));
+        all
+    }
+}
+
+fn draw(
+    rendition: &Rendition,
+    scene: &Scene,
+    volumes: &[std::sync::Arc<Volume>],
+    plan: Plan,
+    reference: Option<&Drawn>,
+) -> Result<Drawn, Failure> {
+    let scene = set::apply(scene, &rendition.settings.0)?;
+    let mut meter = Meter::new(plan)?;
+    let (timing, frame): (_, Frame) = still(&scene, volumes, &mut meter)?;
+    let rgba = frame.to_rgba8(&scene.image);
+    let error = reference.map_or_else(|| Difference::between(&rgba, &rgba), |of| Difference::between(&of.rgba, &rgba));
+    Ok(Drawn {
+        label: rendition.label.clone(),
+        renderer: meter.describe(),
+        median_ms: timing.median_ms(),
+        samples: timing.samples(),
+        rgba,
+        error,
+    })
+}
+
+/// How far the colours of two pictures are apart, in 8-bit steps.
+struct Difference {
+    psnr: f64,
+    largest: u8,
+    mean: f64,
+}
+
+impl Difference {
+    fn between(a: &[u8], b: &[u8]) -> Self {
+        let colors = |rgba: &[u8]| rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect::<Vec<u8>>();
+        let differences: Vec<u8> = colors(a).iter().zip(colors(b)).map(|(a, b)| a.abs_diff(b)).collect();
+        let count = differences.len().max(1) as f64;
+        let squares: f64 = differences.iter().map(|d| f64::from(*d).powi(2)).sum();
+        Self {
+            psnr: 10.0 * (255.0 * 255.0 * count / squares).log10(),
+            largest: differences.iter().copied().max().unwrap_or(0),
+            mean: differences.iter().map(|d| f64::from(*d)).sum::<f64>() / count,
+        }
+    }
+}
+
+/// The pictures above their differences from the first.
+fn sheet(path: &std::path::Path, drawn: &[Drawn], image: &ImageSettings, gain: f32) -> Result<(), Failure> {
+    let (width, height) = (image.width as usize, image.height as usize);
+    let columns = drawn.len();
+    let mut sheet = vec![0u8; columns * width * 2 * height * 4];
+    let row_bytes = width * 4;
+    for (column, picture) in drawn.iter().enumerate() {
+        let pixels = picture.rgba.chunks_exact(4).zip(drawn[0].rgba.chunks_exact(4));
+        let difference = |(a, b): (&[u8], &[u8])| {
+            let part = |channel: usize| (f32::from(a[channel].abs_diff(b[channel])) * gain).min(255.0) as u8;
+            [part(0), part(1), part(2), 255]
+        };
+        let differences: Vec<u8> = pixels.flat_map(difference).collect();
+        for (half, content) in [&picture.rgba, &differences].into_iter().enumerate() {
+            for (row, line) in content.chunks_exact(row_bytes).enumerate() {
+                let start = ((half * height + row) * columns + column) * row_bytes;
+                sheet[start..start + row_bytes].copy_from_slice(line);
+            }
+        }
+    }
+    let size = [(columns * width) as u32, 2 * height as u32];
+    Ok(write_png(path, size[0], size[1], PngPixels::U8(&sheet), Transfer::Srgb)?)
+}
+
+fn table(drawn: &[Drawn]) -> String {
+    let widest = drawn.iter().map(|drawn| drawn.label.len()).fold(9, usize::max);
+    let mut text = format!(
+        "{:<widest$}  {:>9}  {:>10}  {:>8}  {:>7}  {:>7}  renderer\n",
+        "technique", "median ms", "samples", "PSNR dB", "largest", "mean"
+    );
+    for Drawn { label, renderer, median_ms, samples, error, .. } in drawn {
+        let Difference { psnr, largest, mean } = error;
+        text += &format!(
+            "{label:<widest$}  {median_ms:>9.2}  {samples:>10.0}  {psnr:>8.1}  {largest:>7}  {mean:>7.3}  {renderer}\n"
+        );
+    }
+    text
+}
+
+fn json(drawn: &[Drawn]) -> Value {
+    let one = |drawn: &Drawn| {
+        json!({
+            "technique": drawn.label,
+            "renderer": drawn.renderer,
+            "median_ms": drawn.median_ms,
+            "samples": drawn.samples,
+            // JSON has no infinity: equal pictures have none.
+            "psnr_db": drawn.error.psnr.is_finite().then_some(drawn.error.psnr),
+            "largest_difference": drawn.error.largest,
+            "mean_difference": drawn.error.mean,
+        })
+    };
+    Value::Array(drawn.iter().map(one).collect())
+}
