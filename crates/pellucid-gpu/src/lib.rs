@@ -9,6 +9,7 @@ mod bricks;
 mod device;
 mod error;
 mod optics;
+mod passes;
 mod pipelines;
 mod ray_cast;
 mod renderer;
@@ -19,7 +20,8 @@ mod targets;
 mod texture;
 mod timer;
 mod uniforms;
+mod wavefront;
 
 pub use device::{AdapterChoice, AdapterSummary, Capabilities, Ceiling, Device, adapters};
 pub use error::GpuError;
-pub use renderer::{GpuRenderer, Interpolation};
+pub use renderer::{GpuRenderer, Interpolation, Passes};

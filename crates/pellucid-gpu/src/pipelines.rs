@@ -10,15 +10,18 @@ use wgpu::{
     ShaderStages, TextureSampleType, TextureViewDimension,
 };
 
-use crate::shaders::Variant;
+use crate::shaders::{Pass, Variant};
 use crate::{Device, GpuError, uniforms};
 
 /// A pipeline and the layouts of its groups: the frame, the volume, the tables.
+#[derive(Clone)]
 pub struct Pipeline {
+    /// What it was made of.
+    pub variant: Variant,
     /// The pipeline.
     pub pipeline: ComputePipeline,
     /// The layouts of its groups.
-    pub groups: [BindGroupLayout; 3],
+    pub groups: Vec<BindGroupLayout>,
 }
 
 /// The pipelines of a device.
@@ -45,10 +48,14 @@ fn make(device: &Device, variant: &Variant) -> Result<Pipeline, GpuError> {
     let label = format!("{:?}", variant.pass);
     let source = ShaderSource::Naga(Cow::Owned(variant.link()?));
     let module = device.device.create_shader_module(ShaderModuleDescriptor { label: Some(&label), source });
-    let groups = [frame_layout(device), volume_layout(device, variant), table_layout(device)];
+    let mut groups = vec![frame_layout(device, variant)];
+    if variant.pass != Pass::Resolve {
+        groups.extend([volume_layout(device, variant), table_layout(device)]);
+    }
+    let bound: Vec<_> = groups.iter().map(Some).collect();
     let layout = device.device.create_pipeline_layout(&PipelineLayoutDescriptor {
         label: Some(&label),
-        bind_group_layouts: &[Some(&groups[0]), Some(&groups[1]), Some(&groups[2])],
+        bind_group_layouts: &bound,
         immediate_size: 0,
     });
     let pipeline = device.device.create_compute_pipeline(&ComputePipelineDescriptor {
@@ -59,7 +66,7 @@ fn make(device: &Device, variant: &Variant) -> Result<Pipeline, GpuError> {
         compilation_options: Default::default(),
         cache: None,
     });
-    Ok(Pipeline { pipeline, groups })
+    Ok(Pipeline { variant: *variant, pipeline, groups })
 }
 
 fn layout(device: &Device, label: &str, types: &[(u32, BindingType)]) -> BindGroupLayout {
@@ -73,11 +80,11 @@ fn buffer(ty: BufferBindingType, dynamic: Option<u64>) -> BindingType {
     BindingType::Buffer { ty, has_dynamic_offset: dynamic.is_some(), min_binding_size }
 }
 
-fn frame_layout(device: &Device) -> BindGroupLayout {
+fn frame_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
     let read = buffer(BufferBindingType::Storage { read_only: true }, None);
     let write = buffer(BufferBindingType::Storage { read_only: false }, None);
     let pass = size_of::<uniforms::Pass>() as u64;
-    let types = [
+    let mut types = vec![
         (0, buffer(BufferBindingType::Uniform, None)),
         (1, buffer(BufferBindingType::Uniform, Some(pass))),
         (2, read),
@@ -85,8 +92,13 @@ fn frame_layout(device: &Device) -> BindGroupLayout {
         (4, read),
         (5, write),
         (6, read),
-        (7, write),
     ];
+    if variant.pass == Pass::Resolve {
+        types.push((7, write));
+    }
+    if variant.wavefront {
+        types.push((8, write));
+    }
     layout(device, "frame", &types)
 }
 

@@ -6,20 +6,23 @@ use bytemuck::bytes_of;
 use pellucid_scene::{Control, Frame as Picture, Stage, StageVolume};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindingResource, Buffer, BufferBinding,
-    BufferUsages, CommandEncoder, CommandEncoderDescriptor, ComputePassDescriptor, ComputePassTimestampWrites,
-    ComputePipeline, FilterMode, SamplerDescriptor, TextureView,
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferUsages, CommandEncoder,
+    CommandEncoderDescriptor, ComputePassDescriptor, ComputePassTimestampWrites, ComputePipeline, FilterMode,
+    SamplerDescriptor, TextureView,
 };
 
 use crate::bricks::{self, Brick};
 use crate::optics::lights;
-use crate::pipelines::Pipelines;
+use crate::passes::PassBuffer;
+use crate::pipelines::{Pipeline, Pipelines};
+use crate::renderer::{Drawing, Interpolation, Passes};
 use crate::resident::Resident;
 use crate::shaders::{Pass, Variant};
 use crate::tables::{Tables, storage};
 use crate::targets::Targets;
 use crate::timer::Timer;
 use crate::uniforms::{self, Frame, Light};
+use crate::wavefront::{Front, Pace};
 use crate::{Device, GpuError};
 
 /// How long the commands of a submission may take: short enough to be cancelled in time, and far from
@@ -59,12 +62,23 @@ pub struct Reused {
     bands: Bands,
     targets: Option<Targets>,
     timer: Option<Timer>,
+    pace: Pace,
+}
+
+/// A part of the picture.
+pub struct Band {
+    /// First row.
+    pub row: u32,
+    /// Rows.
+    pub rows: u32,
+    /// Rays per pixel.
+    pub rays: u32,
 }
 
 impl Reused {
     /// Nothing yet, on a device.
     pub fn new(device: &Device) -> Self {
-        Self { bands: Bands::default(), targets: None, timer: Timer::new(device) }
+        Self { bands: Bands::default(), targets: None, timer: Timer::new(device), pace: Pace::default() }
     }
 }
 
@@ -74,13 +88,10 @@ pub struct RayCaster<'a> {
     resident: &'a mut Resident,
     stage: &'a Stage,
     bricks: Vec<Brick>,
-    march: ComputePipeline,
-    resolve: ComputePipeline,
-    frame_layout: BindGroupLayout,
-    volume_layout: BindGroupLayout,
+    march: Pipeline,
+    resolve: Pipeline,
     table: BindGroup,
     tables: &'a Tables,
-    hardware: bool,
     /// Frame, planes, lights.
     parts: [Buffer; 3],
 }
@@ -97,20 +108,22 @@ impl<'a> RayCaster<'a> {
         stage: &'a Stage,
         volume: &StageVolume,
         tables: &'a Tables,
-        hardware: bool,
+        Drawing { interpolation, passes }: Drawing,
     ) -> Result<Self, GpuError> {
         let optics = &tables.optics;
+        let wavefront = passes == Passes::Wavefront;
         let grid = volume.volume.grid();
         let region = stage.region(volume);
         let variant = Variant {
             pass: optics.pass,
-            hardware: hardware && resident.encoding.filterable,
+            hardware: interpolation == Interpolation::Hardware && resident.encoding.filterable,
             holes: resident.encoding.holes,
             bricks: !resident.is_whole(),
             skip: optics.blocks.is_some(),
             shaded: volume.material.is_some() && lights(stage.mode()),
             weighted: volume.gradient_weight.is_some(),
             opaque: optics.opaque,
+            wavefront,
         }
         .canonical();
         let mut frame = Frame::new(stage, volume, &region);
@@ -130,8 +143,8 @@ impl<'a> RayCaster<'a> {
             storage(device, "planes", &uniforms::planes(&region, grid)),
             storage(device, "lights", &lights),
         ];
-        let resolve = pipelines.get(device, Variant::of(Pass::Resolve))?.pipeline.clone();
-        let march = pipelines.get(device, variant)?;
+        let resolve = pipelines.get(device, Variant::of(Pass::Resolve))?.clone();
+        let march = pipelines.get(device, variant)?.clone();
         let table = device.device.create_bind_group(&BindGroupDescriptor {
             label: Some("tables"),
             layout: &march.groups[2],
@@ -139,20 +152,7 @@ impl<'a> RayCaster<'a> {
         });
         let mut bricks = resident.bricks.clone();
         bricks::sort(&mut bricks, stage, grid);
-        Ok(Self {
-            device,
-            resident,
-            stage,
-            bricks,
-            march: march.pipeline.clone(),
-            resolve,
-            frame_layout: march.groups[0].clone(),
-            volume_layout: march.groups[1].clone(),
-            table,
-            tables,
-            hardware: variant.hardware,
-            parts,
-        })
+        Ok(Self { device, resident, stage, bricks, march, resolve, table, tables, parts })
     }
 
     /// Draws all bands into a picture of the stage's size.
@@ -161,7 +161,7 @@ impl<'a> RayCaster<'a> {
     /// [`GpuError::Cancelled`], or what the device reports.
     pub fn draw(
         &mut self,
-        Reused { bands, targets, timer }: &mut Reused,
+        Reused { bands, targets, timer, pace }: &mut Reused,
         control: &Control,
         picture: &mut Picture,
     ) -> Result<(), GpuError> {
@@ -182,9 +182,14 @@ impl<'a> RayCaster<'a> {
                 _ => Targets::new(self.device, width, rows),
             };
             let started = Instant::now();
-            self.draw_band(&room, timer.as_ref(), row, rows, rays)?;
+            let band = Band { row, rows, rays };
+            if self.march.variant.wavefront {
+                self.draw_wavefront(&room, pace, &band, control)?;
+            } else {
+                self.draw_band(&room, timer.as_ref(), &band)?;
+            }
             room.read(self.device, row, rows, picture)?;
-            if let (Some(busy), Some(timer)) = (&mut busy, timer.as_ref()) {
+            if let (Some(busy), Some(timer), false) = (&mut busy, timer.as_ref(), self.march.variant.wavefront) {
                 *busy += timer.seconds().unwrap_or(0.0);
             }
             *targets = Some(room);
@@ -192,41 +197,26 @@ impl<'a> RayCaster<'a> {
             row += rows;
             control.report(f64::from(row) / f64::from(height));
         }
-        picture.statistics.device_seconds = busy;
+        picture.statistics.device_seconds = busy.filter(|_| !self.march.variant.wavefront);
         Ok(())
     }
 
-    fn draw_band(
-        &mut self,
-        targets: &Targets,
-        timer: Option<&Timer>,
-        row: u32,
-        rows: u32,
-        rays: u32,
-    ) -> Result<(), GpuError> {
-        let align = u64::from(self.device.capabilities.limits.min_uniform_buffer_offset_alignment);
-        let stride = (size_of::<uniforms::Pass>() as u64).next_multiple_of(align);
-        let count = self.bricks.len() as u64 * u64::from(rays);
-        let mut passes = vec![0u8; (stride * count) as usize];
+    fn draw_band(&mut self, targets: &Targets, timer: Option<&Timer>, band: &Band) -> Result<(), GpuError> {
+        let Band { row, rows, rays } = *band;
         let every =
             (0..rays).flat_map(|sub| self.bricks.iter().enumerate().map(move |(number, brick)| (sub, number, brick)));
-        for ((sub, number, brick), place) in every.zip(passes.chunks_mut(stride as usize)) {
+        let pass = |(sub, number, brick): (u32, usize, &Brick)| {
             let four = |[x, y, z]: [usize; 3], w| [x as u32, y as u32, z as u32, w];
-            let pass = uniforms::Pass {
+            uniforms::Pass {
                 rows: [row, rows, sub, u32::MAX],
                 texture_low: four(brick.voxels.low, u32::from(number == 0)),
                 core_low: four(brick.core.low, 0),
                 core_high: four(brick.core.high, 0),
-            };
-            place[..size_of::<uniforms::Pass>()].copy_from_slice(bytes_of(&pass));
-        }
-        let usage = BufferUsages::UNIFORM;
-        let passes = self.device.device.create_buffer_init(&BufferInitDescriptor {
-            label: Some("passes"),
-            contents: &passes,
-            usage,
-        });
-        let frame = self.frame_group(targets, &passes);
+            }
+        };
+        let passes = PassBuffer::new(self.device, every.map(pass));
+        let march = self.frame_group(&self.march, targets, &passes, None);
+        let resolve = self.frame_group(&self.resolve, targets, &passes, None);
         let mut encoder = self.encoder();
         let last = (rays - 1, self.bricks.len() - 1);
         for sub in 0..rays {
@@ -234,18 +224,20 @@ impl<'a> RayCaster<'a> {
                 let brick = self.bricks[number];
                 let view = self.resident.texture(self.device, &brick)?;
                 let volume = self.volume_group(&view);
-                let offset = ((u64::from(sub) * self.bricks.len() as u64 + number as u64) * stride) as u32;
-                let groups = [&frame, &volume, &self.table];
+                let offset = passes.offset(sub as usize * self.bricks.len() + number);
                 let size = [targets.width, rows];
                 let writes = |first, last| timer.and_then(|timer| timer.writes(first, last));
-                dispatch(&mut encoder, &self.march, &groups, offset, size, writes((sub, number) == (0, 0), false));
+                let groups = &[&march, &volume, &self.table][..];
+                let begins = writes((sub, number) == (0, 0), false);
+                dispatch(&mut encoder, &self.march.pipeline, groups, offset, size, begins);
                 if !self.resident.is_complete() {
                     // The next upload needs the memory of this brick.
                     self.device.queue.submit([std::mem::replace(&mut encoder, self.encoder()).finish()]);
                     self.device.wait()?;
                 }
                 if number == last.1 {
-                    dispatch(&mut encoder, &self.resolve, &groups, offset, size, writes(false, (sub, number) == last));
+                    let ends = writes(false, (sub, number) == last);
+                    dispatch(&mut encoder, &self.resolve.pipeline, &[&resolve], offset, size, ends);
                 }
             }
         }
@@ -257,25 +249,85 @@ impl<'a> RayCaster<'a> {
         Ok(())
     }
 
+    /// Follows all rays for a while, then those that are not done, until there is none: every submission
+    /// is short, whatever the rays meet, and no invocation is spent on a ray that has ended (7.4-1).
+    fn draw_wavefront(
+        &mut self,
+        targets: &Targets,
+        pace: &mut Pace,
+        band: &Band,
+        control: &Control,
+    ) -> Result<(), GpuError> {
+        let Band { row, rows, rays } = *band;
+        let capacity = targets.width * rows;
+        let front = Front::new(self.device, capacity);
+        let view = self.resident.texture(self.device, &self.bricks[0])?;
+        let volume = self.volume_group(&view);
+        for sub in 0..rays {
+            // Rays that go on, once there has been a pass.
+            let mut left = None;
+            let mut list = 0;
+            while left != Some(0) {
+                if control.is_cancelled() {
+                    return Err(GpuError::Cancelled);
+                }
+                let pass = uniforms::Pass {
+                    rows: [row, rows, sub, pace.looks()],
+                    texture_low: [0, 0, 0, u32::from(left.is_none())],
+                    core_low: [0, 0, 0, list],
+                    core_high: [0, 0, 0, capacity],
+                };
+                let passes = PassBuffer::new(self.device, [pass]);
+                let group = self.frame_group(&self.march, targets, &passes, Some(&front));
+                let mut encoder = self.encoder();
+                front.clear(&mut encoder, 1 - list);
+                // Lists are read by workgroups in one row.
+                let size = left.map_or([targets.width, rows], |rays: u32| [rays.div_ceil(8), 1]);
+                let started = Instant::now();
+                dispatch(&mut encoder, &self.march.pipeline, &[&group, &volume, &self.table], 0, size, None);
+                left = Some(front.count(self.device, encoder, 1 - list)?);
+                pace.learn(started.elapsed());
+                list = 1 - list;
+            }
+            let pass = uniforms::Pass { rows: [row, rows, sub, 0], ..uniforms::Pass::default() };
+            let passes = PassBuffer::new(self.device, [pass]);
+            let group = self.frame_group(&self.resolve, targets, &passes, None);
+            let mut encoder = self.encoder();
+            dispatch(&mut encoder, &self.resolve.pipeline, &[&group], 0, [targets.width, rows], None);
+            if sub + 1 == rays {
+                targets.copy(&mut encoder, rows);
+            }
+            self.device.queue.submit([encoder.finish()]);
+        }
+        Ok(())
+    }
+
     fn encoder(&self) -> CommandEncoder {
         self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("rays") })
     }
 
-    fn frame_group(&self, targets: &Targets, passes: &Buffer) -> BindGroup {
+    /// What a pipeline is told of the frame, its passes and its targets.
+    fn frame_group(
+        &self,
+        pipeline: &Pipeline,
+        targets: &Targets,
+        passes: &PassBuffer,
+        front: Option<&Front>,
+    ) -> BindGroup {
         let [frame, planes, lights] = &self.parts;
         let Tables { noise, levels, .. } = self.tables;
-        let size = std::num::NonZeroU64::new(size_of::<uniforms::Pass>() as u64);
-        let pass = BindingResource::Buffer(BufferBinding { buffer: passes, offset: 0, size });
-        let buffers = [(2, planes), (3, noise), (4, lights), (5, &targets.states), (6, levels), (7, &targets.pixels)];
-        let mut entries = vec![
-            BindGroupEntry { binding: 0, resource: frame.as_entire_binding() },
-            BindGroupEntry { binding: 1, resource: pass },
-        ];
-        entries
-            .extend(buffers.map(|(binding, buffer)| BindGroupEntry { binding, resource: buffer.as_entire_binding() }));
+        let mut buffers = vec![(0, frame), (2, planes), (3, noise), (4, lights), (5, &targets.states), (6, levels)];
+        match pipeline.variant.pass {
+            Pass::Resolve => buffers.push((7, &targets.pixels)),
+            _ => buffers.extend(front.map(|front| (8, front.lists()))),
+        }
+        let mut entries = vec![BindGroupEntry { binding: 1, resource: passes.binding() }];
+        for (binding, buffer) in buffers {
+            entries.push(BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+        }
         self.device.device.create_bind_group(&BindGroupDescriptor {
             label: Some("frame"),
-            layout: &self.frame_layout,
+            layout: &pipeline.groups[0],
             entries: &entries,
         })
     }
@@ -290,12 +342,12 @@ impl<'a> RayCaster<'a> {
             BindGroupEntry { binding: 0, resource: BindingResource::TextureView(volume) },
             BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&self.tables.blocks) },
         ];
-        if self.hardware {
+        if self.march.variant.hardware {
             entries.push(BindGroupEntry { binding: 1, resource: BindingResource::Sampler(&sampler) });
         }
         self.device.device.create_bind_group(&BindGroupDescriptor {
             label: Some("volume"),
-            layout: &self.volume_layout,
+            layout: &self.march.groups[1],
             entries: &entries,
         })
     }
@@ -304,15 +356,17 @@ impl<'a> RayCaster<'a> {
 fn dispatch(
     encoder: &mut CommandEncoder,
     pipeline: &ComputePipeline,
-    groups: &[&BindGroup; 3],
+    groups: &[&BindGroup],
     offset: u32,
     [width, rows]: [u32; 2],
     timestamp_writes: Option<ComputePassTimestampWrites>,
 ) {
     let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor { label: None, timestamp_writes });
     pass.set_pipeline(pipeline);
-    pass.set_bind_group(0, groups[0], &[offset]);
-    pass.set_bind_group(1, groups[1], &[]);
-    pass.set_bind_group(2, groups[2], &[]);
+    for (number, group) in groups.iter().enumerate() {
+        // The first group has the passes, of which one is chosen.
+        let offsets: &[u32] = if number == 0 { &[offset] } else { &[] };
+        pass.set_bind_group(number as u32, *group, offsets);
+    }
     pass.dispatch_workgroups(width.div_ceil(8), rows.div_ceil(8), 1);
 }

@@ -23,10 +23,30 @@ pub enum Interpolation {
     Hardware,
 }
 
+/// How the work of a frame is handed to the device.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Passes {
+    /// Every ray from its entry to its end at once (7.2), in bands of the picture that take a few
+    /// hundredths of a second.
+    #[default]
+    Single,
+    /// All rays for a while, then those that are not done (7.4): the picture is the same to the bit, no
+    /// submission is long whatever rays meet, and rays that have ended cost nothing. Volumes in bricks
+    /// are drawn brick by brick instead.
+    Wavefront,
+}
+
+/// How frames are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Drawing {
+    pub interpolation: Interpolation,
+    pub passes: Passes,
+}
+
 /// The GPU backend. Keep one for several frames: the volume stays on the device, and so do pipelines.
 pub struct GpuRenderer {
     device: Device,
-    interpolation: Interpolation,
+    drawing: Drawing,
     pipelines: Pipelines,
     blocks: BlockCache,
     resident: Option<Resident>,
@@ -48,7 +68,7 @@ impl GpuRenderer {
         Self {
             reused: Reused::new(&device),
             device,
-            interpolation: Interpolation::default(),
+            drawing: Drawing::default(),
             pipelines: Pipelines::default(),
             blocks: BlockCache::default(),
             resident: None,
@@ -58,7 +78,13 @@ impl GpuRenderer {
 
     /// The same renderer with another interpolation.
     pub fn with_interpolation(mut self, interpolation: Interpolation) -> Self {
-        self.interpolation = interpolation;
+        self.drawing.interpolation = interpolation;
+        self
+    }
+
+    /// The same renderer with its work in other portions.
+    pub fn with_passes(mut self, passes: Passes) -> Self {
+        self.drawing.passes = passes;
         self
     }
 
@@ -95,9 +121,8 @@ impl GpuRenderer {
         };
         let drawing = Instant::now();
         frame.clear(stage.viewpoint.width, stage.viewpoint.height);
-        let hardware = self.interpolation == Interpolation::Hardware;
         let mut caster =
-            RayCaster::new(&self.device, &mut self.pipelines, &mut resident, stage, volume, tables, hardware)?;
+            RayCaster::new(&self.device, &mut self.pipelines, &mut resident, stage, volume, tables, self.drawing)?;
         caster.draw(&mut self.reused, control, frame)?;
         self.resident = Some(resident);
         let rays = (stage.viewpoint.width * stage.viewpoint.height) as u64;

@@ -4,7 +4,7 @@
 #[path = "common/gallery.rs"]
 mod common;
 
-use pellucid::gpu::{AdapterChoice, Ceiling, Device, GpuRenderer, Interpolation};
+use pellucid::gpu::{AdapterChoice, Ceiling, Device, GpuRenderer, Interpolation, Passes};
 use pellucid::scene::{Control, Frame, Stage};
 use pellucid::{Backend, Renderer};
 
@@ -46,4 +46,19 @@ fn exact_interpolation_draws_the_pictures_of_the_processor() {
     let gpu = gpu(&Ceiling::default()).with_interpolation(Interpolation::Exact);
     let failures = compare(gpu, 50.0, 2);
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn rays_that_are_followed_in_turns_draw_the_same_bits() {
+    let mut single = gpu(&Ceiling::default());
+    let mut wavefront = gpu(&Ceiling::default()).with_passes(Passes::Wavefront);
+    for path in scenes().into_iter().filter(|path| !path.to_string_lossy().contains("marschner-lobb")) {
+        let (_, mut stage) = stage(&path);
+        stage.quality.supersampling = 2;
+        let [one, other] =
+            [&mut single, &mut wavefront].map(|renderer| renderer.render(&stage, &Control::default()).unwrap());
+        assert_eq!(one.color, other.color, "{}", path.display());
+        assert_eq!((one.depth, one.normal), (other.depth, other.normal), "{}", path.display());
+        assert_eq!((one.samples, one.statistics.samples_visible), (other.samples, other.statistics.samples_visible));
+    }
 }

@@ -55,7 +55,7 @@ struct Pass {
     rows: vec4<u32>,
     // First voxel of the volume's texture; 1 if rays start here.
     texture_low: vec4<u32>,
-    // Cells whose samples are taken here: from, to.
+    // Cells whose samples are taken here: from, to. `w`: the list of rays that is read, and its length.
     core_low: vec4<u32>,
     core_high: vec4<u32>,
 }

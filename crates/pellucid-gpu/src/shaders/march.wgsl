@@ -29,6 +29,19 @@ fn new_state() -> State {
     return State(vec4<f32>(0.0), vec4<f32>(0.0, 0.0, 0.0, NOWHERE), vec4<f32>(0.0, FIRST, 0.0, 0.0), vec4<u32>(0u));
 }
 
+#ifdef WAVEFRONT
+// The rays that are not done, in two lists: a pass reads one and writes the other, so that no invocation
+// is spent on a ray that has ended (7.4-1).
+struct Front {
+    // Rays in each list.
+    counts: array<atomic<u32>, 4>,
+    // One list after the other, each as long as there are rays.
+    slots: array<u32>,
+}
+
+@group(0) @binding(8) var<storage, read_write> front: Front;
+#endif
+
 // A ray whose turn it is.
 struct Turn {
     ray: Ray,
@@ -42,11 +55,25 @@ struct Turn {
 fn turn_of(id: vec2<u32>) -> Turn {
     var turn: Turn;
     turn.open = false;
-    if id.x >= frame.size.x || id.y >= bounds.rows.y {
+    let is_first = bounds.texture_low.w != 0u;
+    var pixel = id;
+#ifdef WAVEFRONT
+    if !is_first {
+        // Workgroups of 8 x 8 in one row.
+        let number = (id.x / 8u) * 64u + id.y * 8u + id.x % 8u;
+        let list = bounds.core_low.w;
+        if number >= atomicLoad(&front.counts[list]) {
+            return turn;
+        }
+        let slot = front.slots[list * bounds.core_high.w + number];
+        pixel = vec2<u32>(slot % frame.size.x, slot / frame.size.x);
+    }
+#endif
+    if pixel.x >= frame.size.x || pixel.y >= bounds.rows.y {
         return turn;
     }
-    turn.slot = id.y * frame.size.x + id.x;
-    if bounds.texture_low.w != 0u {
+    turn.slot = pixel.y * frame.size.x + pixel.x;
+    if is_first {
         turn.state = new_state();
     } else {
         turn.state = states[turn.slot];
@@ -54,7 +81,7 @@ fn turn_of(id: vec2<u32>) -> Turn {
             return turn;
         }
     }
-    turn.ray = ray_of(vec2<u32>(id.x, id.y + bounds.rows.x), bounds.rows.z);
+    turn.ray = ray_of(vec2<u32>(pixel.x, pixel.y + bounds.rows.x), bounds.rows.z);
     turn.open = true;
     if turn.ray.count > 0.0 {
         turn.state.counts.w |= HIT;
@@ -65,4 +92,10 @@ fn turn_of(id: vec2<u32>) -> Turn {
 // Writes a ray's state down.
 fn end_turn(turn: Turn) {
     states[turn.slot] = turn.state;
+#ifdef WAVEFRONT
+    if (turn.state.counts.w & DONE) == 0u {
+        let list = 1u - bounds.core_low.w;
+        front.slots[list * bounds.core_high.w + atomicAdd(&front.counts[list], 1u)] = turn.slot;
+    }
+#endif
 }

@@ -122,20 +122,32 @@ pub struct Variant {
     pub weighted: bool,
     /// Values have opacity 1 (slabs).
     pub opaque: bool,
+    /// Rays that are not done are listed for the next pass.
+    pub wavefront: bool,
 }
 
 impl Variant {
     /// A pass with nothing compiled in.
     pub fn of(pass: Pass) -> Self {
         let off = false;
-        Self { pass, hardware: off, holes: off, bricks: off, skip: off, shaded: off, weighted: off, opaque: off }
+        Self {
+            pass,
+            hardware: off,
+            holes: off,
+            bricks: off,
+            skip: off,
+            shaded: off,
+            weighted: off,
+            opaque: off,
+            wavefront: off,
+        }
     }
 
     /// Every shader there is.
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for pass in Pass::ALL {
-            for bits in 0..1 << 7 {
+            for bits in 0..1 << 8 {
                 let on = |bit: u32| bits >> bit & 1 == 1;
                 let variant = Self {
                     pass,
@@ -146,6 +158,7 @@ impl Variant {
                     shaded: on(4),
                     weighted: on(5),
                     opaque: on(6),
+                    wavefront: on(7),
                 };
                 if variant == variant.canonical() {
                     all.push(variant);
@@ -169,6 +182,8 @@ impl Variant {
         self.shaded &= lights;
         self.weighted &= self.shaded;
         self.opaque &= projects;
+        // Bricks are passes already.
+        self.wavefront &= !self.bricks && self.pass != Resolve;
         self
     }
 
@@ -182,6 +197,7 @@ impl Variant {
             ("SHADED", self.shaded),
             ("WEIGHTED", self.weighted),
             ("OPAQUE", self.opaque),
+            ("WAVEFRONT", self.wavefront),
             ("EXTREMES", self.pass.compares_extremes()),
             ("MINIMUM", self.pass == Pass::Minimum),
             ("PRECLASSIFIED", self.pass == Pass::CompositePre),

@@ -2,7 +2,7 @@
 
 use std::num::NonZero;
 
-use pellucid::gpu::{AdapterChoice, Ceiling, GpuRenderer, Interpolation};
+use pellucid::gpu::{AdapterChoice, Ceiling, GpuRenderer, Interpolation, Passes};
 use pellucid::{Backend, InstructionSet, RenderError, Renderer};
 
 use super::values;
@@ -17,6 +17,7 @@ const SETS: [(&str, InstructionSet); 4] = [
 ];
 const INTERPOLATIONS: [(&str, Interpolation); 2] =
     [("hardware", Interpolation::Hardware), ("exact", Interpolation::Exact)];
+const PASSES: [(&str, Passes); 2] = [("single", Passes::Single), ("wavefront", Passes::Wavefront)];
 const MOST_THREADS: u16 = 1024;
 
 #[derive(clap::Args, Clone, Debug)]
@@ -40,6 +41,10 @@ pub struct Engine {
     /// Between voxels on a graphics adapter: its texture unit, fast, or exactly as the processor does
     #[arg(long, value_name = "HOW", value_parser = values::word(&INTERPOLATIONS), default_value = "hardware")]
     interpolation: Interpolation,
+    /// Work on a graphics adapter: every ray to its end, or all rays for a while and then those that are
+    /// not done, so that no piece of work is long; the picture is the same
+    #[arg(long, value_name = "HOW", value_parser = values::word(&PASSES), default_value = "single")]
+    passes: Passes,
     /// Memory to use on a graphics adapter, in MiB; larger volumes are drawn brick by brick
     /// [default: all there is]
     #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..=1 << 24))]
@@ -71,7 +76,7 @@ impl Engine {
             Some(name) => AdapterChoice::Named(name.to_owned()),
         };
         let ceiling = Ceiling { memory: self.gpu_memory.map(|mib| mib << 20), ..Ceiling::default() };
-        Ok(GpuRenderer::new(&choice, &ceiling)?.with_interpolation(self.interpolation))
+        Ok(GpuRenderer::new(&choice, &ceiling)?.with_interpolation(self.interpolation).with_passes(self.passes))
     }
 
     /// The same with this backend.

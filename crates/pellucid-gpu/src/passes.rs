@@ -1,0 +1,43 @@
+//! What the passes of a submission draw, in one buffer.
+
+use std::num::NonZeroU64;
+
+use bytemuck::bytes_of;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages};
+
+use crate::Device;
+use crate::uniforms::Pass;
+
+/// Passes that are chosen one at a time, by an offset.
+pub struct PassBuffer {
+    buffer: Buffer,
+    stride: usize,
+}
+
+impl PassBuffer {
+    /// A buffer of passes, at least one.
+    pub fn new(device: &Device, passes: impl IntoIterator<Item = Pass>) -> Self {
+        let align = device.capabilities.limits.min_uniform_buffer_offset_alignment as usize;
+        let stride = size_of::<Pass>().next_multiple_of(align);
+        let mut contents = Vec::new();
+        for pass in passes {
+            contents.extend_from_slice(bytes_of(&pass));
+            contents.resize(contents.len().next_multiple_of(stride), 0);
+        }
+        let descriptor =
+            BufferInitDescriptor { label: Some("passes"), contents: &contents, usage: BufferUsages::UNIFORM };
+        Self { buffer: device.device.create_buffer_init(&descriptor), stride }
+    }
+
+    /// Where pass `number` is.
+    pub fn offset(&self, number: usize) -> u32 {
+        (number * self.stride) as u32
+    }
+
+    /// One pass, bound; which one is told by its offset.
+    pub fn binding(&self) -> BindingResource<'_> {
+        let size = NonZeroU64::new(size_of::<Pass>() as u64);
+        BindingResource::Buffer(BufferBinding { buffer: &self.buffer, offset: 0, size })
+    }
+}
