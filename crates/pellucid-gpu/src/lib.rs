@@ -10,13 +10,18 @@ mod device;
 mod error;
 mod optics;
 mod pipelines;
+mod plan;
 mod ray_cast;
 mod renderer;
 mod resident;
 pub mod shaders;
+mod staging;
+mod targets;
 mod texture;
 mod uniforms;
 
 pub use device::{AdapterChoice, AdapterSummary, Capabilities, Ceiling, Device, adapters};
 pub use error::GpuError;
+pub use plan::MemoryPlan;
 pub use renderer::{GpuRenderer, Interpolation};
+pub use texture::Part;

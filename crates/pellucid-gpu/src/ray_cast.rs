@@ -4,11 +4,10 @@ use std::time::{Duration, Instant};
 
 use bytemuck::{Pod, bytes_of, cast_slice};
 use pellucid_scene::{BLUE_NOISE_TILE, Control, Frame as Picture, Stage, StageVolume, blue_noise};
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindingResource, Buffer, BufferBinding,
-    BufferDescriptor, BufferUsages, CommandEncoder, CommandEncoderDescriptor, ComputePassDescriptor, ComputePipeline,
-    FilterMode, MapMode, SamplerDescriptor, TextureFormat, TextureView,
+    BufferUsages, CommandEncoder, CommandEncoderDescriptor, ComputePassDescriptor, ComputePipeline, FilterMode,
+    Sampler, SamplerDescriptor, TextureFormat, TextureView,
 };
 
 use crate::bricks::{self, Brick};
@@ -16,39 +15,45 @@ use crate::optics::{BlockContent, BlockMap, Optics, lights};
 use crate::pipelines::Pipelines;
 use crate::resident::Resident;
 use crate::shaders::{Pass, Variant};
+use crate::targets::Targets;
 use crate::texture;
-use crate::uniforms::{self, Frame, Light, Pixel};
+use crate::uniforms::{self, Frame, Light};
 use crate::{Device, GpuError};
 
 /// How long the commands of a submission may take: short enough to be cancelled in time, and far from
 /// what drivers take for a hang.
-const SUBMISSION: Duration = Duration::from_millis(40);
+const SUBMISSION: Duration = Duration::from_millis(25);
 
-/// Most bytes of the states of a band's rays.
-const BAND_BYTES: u64 = 64 << 20;
+/// Most passes of a submission.
+const MOST_PASSES: usize = 256;
 
-/// How many rows of a picture are drawn at once, learnt from frame to frame.
-#[derive(Default)]
+/// How much is drawn at once, learnt from frame to frame.
 pub struct Bands {
-    /// Seconds a row of the last frame took, and the pixels and rays of it.
-    row: Option<(f64, u64)>,
+    /// Seconds that a ray took in the slowest band of the last frame.
+    last: f64,
+    /// The same of this frame so far.
+    slowest: f64,
+}
+
+impl Default for Bands {
+    /// A guess that lets the first frame begin with little: too little costs less than too much.
+    fn default() -> Self {
+        Self { last: 5e-6, slowest: 0.0 }
+    }
 }
 
 impl Bands {
-    /// Rows for the next submission.
-    fn rows(&self, work: u64, most: u32) -> u32 {
-        let rows = match self.row {
-            Some((seconds, of)) => SUBMISSION.as_secs_f64() / (seconds * work as f64 / of as f64).max(1e-9),
-            None => 16.0,
-        };
-        (rows as u32).clamp(8, most.max(8)).next_multiple_of(8)
+    /// Rays for the next submission.
+    fn rays(&self) -> u64 {
+        (SUBMISSION.as_secs_f64() / self.last.max(self.slowest)) as u64
     }
 
-    /// What rows took. What is learnt rises at once and falls slowly, as rows differ.
-    fn learn(&mut self, rows: u32, work: u64, took: Duration) {
-        let seconds = took.as_secs_f64() / f64::from(rows);
-        let old = self.row.map_or(0.0, |(seconds, of)| seconds * work as f64 / of as f64);
-        self.row = Some((seconds.max(old * 0.7), work));
+    fn learn(&mut self, rays: u64, took: Duration) {
+        self.slowest = self.slowest.max(took.as_secs_f64() / rays as f64);
+    }
+
+    fn end_frame(&mut self) {
+        *self = Self { last: self.slowest, slowest: 0.0 };
     }
 }
 
@@ -64,7 +69,8 @@ pub struct RayCaster<'a> {
     volume_layout: BindGroupLayout,
     table: BindGroup,
     blocks: TextureView,
-    hardware: bool,
+    /// If the texture unit interpolates.
+    sampler: Option<Sampler>,
     /// Frame, planes, noise, lights, levels.
     parts: [Buffer; 5],
 }
@@ -106,13 +112,8 @@ impl<'a> RayCaster<'a> {
         let noise: Vec<f32> = (0..BLUE_NOISE_TILE * BLUE_NOISE_TILE)
             .map(|cell| blue_noise(cell % BLUE_NOISE_TILE, cell / BLUE_NOISE_TILE, 0) as f32)
             .collect();
-        let uniform = BufferInitDescriptor {
-            label: Some("frame"),
-            contents: bytes_of(&frame),
-            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-        };
         let parts = [
-            device.device.create_buffer_init(&uniform),
+            device.buffer("frame", bytes_of(&frame), BufferUsages::UNIFORM),
             storage(device, "planes", &uniforms::planes(&region, grid)),
             storage(device, "noise", &noise),
             storage(device, "lights", &lights),
@@ -140,7 +141,7 @@ impl<'a> RayCaster<'a> {
             volume_layout: march.groups[1].clone(),
             table,
             blocks,
-            hardware: variant.hardware,
+            sampler: variant.hardware.then(|| sampler(device)),
             parts,
         })
     }
@@ -151,77 +152,105 @@ impl<'a> RayCaster<'a> {
     /// [`GpuError::Cancelled`], or what the device reports.
     pub fn draw(&mut self, bands: &mut Bands, control: &Control, picture: &mut Picture) -> Result<(), GpuError> {
         let (width, height) = (picture.width as u32, picture.height as u32);
-        let rays = self.stage.quality.supersampling.pow(2);
-        let most = (BAND_BYTES / (uniforms::STATE_BYTES * u64::from(width))).max(1) as u32;
-        let work = u64::from(width) * u64::from(rays);
+        let rays = u64::from(width) * u64::from(self.stage.quality.supersampling.pow(2));
         let mut targets: Option<Targets> = None;
         let mut row = 0;
         while row < height {
+            let most = self.resident.plan.rows.min(height - row);
+            // Bricks that come and go are drawn one by one anyway, and for as many rows as there can be.
+            let wanted = if self.resident.is_complete() { (bands.rays() / rays) as u32 } else { most };
+            let rows = wanted.max(8).next_multiple_of(8).min(most);
+            if targets.as_ref().is_none_or(|targets| !targets.fits(rows)) {
+                // The old ones go first.
+                drop(targets.take());
+            }
+            let targets = targets.get_or_insert_with(|| Targets::new(self.device, width, rows));
+            self.draw_band(targets, (row, rows, width), bands, control)?;
+            targets.read(self.device, row, rows, picture)?;
+            row += rows;
+            control.report(f64::from(row) / f64::from(height));
+        }
+        bands.end_frame();
+        Ok(())
+    }
+
+    /// Draws rows: for every ray of a pixel one brick after the other, in submissions of bounded length.
+    fn draw_band(
+        &mut self,
+        targets: &Targets,
+        (row, rows, width): (u32, u32, u32),
+        bands: &mut Bands,
+        control: &Control,
+    ) -> Result<(), GpuError> {
+        let align = u64::from(self.device.capabilities.limits.min_uniform_buffer_offset_alignment);
+        let stride = (size_of::<uniforms::Pass>() as u64).next_multiple_of(align) as usize;
+        let (pixels, bricks) = (u64::from(width) * u64::from(rows), self.bricks.len());
+        let turns = bricks * self.stage.quality.supersampling.pow(2) as usize;
+        let mut turn = 0;
+        while turn < turns {
             if control.is_cancelled() {
                 return Err(GpuError::Cancelled);
             }
-            let rows = bands.rows(work, most.min(height)).min(most).min(height - row);
-            if targets.as_ref().is_none_or(|targets| targets.rows < rows) {
-                targets = Some(Targets::new(self.device, width, rows));
+            let together = if self.resident.is_complete() {
+                ((bands.rays() / pixels) as usize * bricks).clamp(bricks.min(MOST_PASSES), MOST_PASSES)
+            } else {
+                1
+            };
+            let first = turn;
+            turn = turns.min(turn + together);
+            let mut passes = vec![0; stride * (turn - first)];
+            for (turn, place) in (first..turn).zip(passes.chunks_mut(stride)) {
+                place[..size_of::<uniforms::Pass>()].copy_from_slice(bytes_of(&self.pass(turn, row, rows)));
             }
-            let Some(targets) = &targets else { continue };
+            let passes = self.device.buffer("passes", &passes, BufferUsages::UNIFORM);
+            let frame = self.frame_group(targets, &passes);
+            let mut views = Vec::with_capacity(turn - first);
+            for turn in first..turn {
+                let brick = self.bricks[turn % bricks];
+                views.push(self.resident.texture(self.device, &brick, control)?);
+            }
+            if self.resident.is_complete() {
+                // Uploads are not what is measured.
+                self.device.wait()?;
+            }
             let started = Instant::now();
-            self.draw_band(targets, row, rows, rays)?;
-            targets.read(self.device, row, rows, picture)?;
-            bands.learn(rows, work, started.elapsed());
-            row += rows;
-            control.report(f64::from(row) / f64::from(height));
+            let mut encoder = self.encoder();
+            for (number, view) in views.iter().enumerate() {
+                let offset = (number * stride) as u32;
+                let volume = self.volume_group(view);
+                let groups = [&frame, &volume, &self.table];
+                dispatch(&mut encoder, &self.march, &groups, offset, width, rows);
+                if (first + number + 1) % bricks == 0 {
+                    dispatch(&mut encoder, &self.resolve, &groups, offset, width, rows);
+                }
+            }
+            if turn == turns {
+                targets.copy(&mut encoder, rows);
+            }
+            let submission = self.device.queue.submit([encoder.finish()]);
+            if self.resident.is_complete() {
+                self.device.wait()?;
+                bands.learn(pixels * (turn - first).div_ceil(bricks) as u64, started.elapsed());
+            } else {
+                // Meanwhile the next brick may come.
+                self.resident.used(submission);
+                self.device.check()?;
+            }
         }
         Ok(())
     }
 
-    fn draw_band(&mut self, targets: &Targets, row: u32, rows: u32, rays: u32) -> Result<(), GpuError> {
-        let align = u64::from(self.device.capabilities.limits.min_uniform_buffer_offset_alignment);
-        let stride = (size_of::<uniforms::Pass>() as u64).next_multiple_of(align);
-        let count = self.bricks.len() as u64 * u64::from(rays);
-        let mut passes = vec![0u8; (stride * count) as usize];
-        let every =
-            (0..rays).flat_map(|sub| self.bricks.iter().enumerate().map(move |(number, brick)| (sub, number, brick)));
-        for ((sub, number, brick), place) in every.zip(passes.chunks_mut(stride as usize)) {
-            let four = |[x, y, z]: [usize; 3], w| [x as u32, y as u32, z as u32, w];
-            let pass = uniforms::Pass {
-                rows: [row, rows, sub, u32::MAX],
-                texture_low: four(brick.voxels.low, u32::from(number == 0)),
-                core_low: four(brick.core.low, 0),
-                core_high: four(brick.core.high, 0),
-            };
-            place[..size_of::<uniforms::Pass>()].copy_from_slice(bytes_of(&pass));
+    /// What a turn draws: a brick for one of the rays of the pixels.
+    fn pass(&self, turn: usize, row: u32, rows: u32) -> uniforms::Pass {
+        let (sub, number) = (turn / self.bricks.len(), turn % self.bricks.len());
+        let brick = &self.bricks[number];
+        let four = |[x, y, z]: [usize; 3], w| [x as u32, y as u32, z as u32, w];
+        uniforms::Pass {
+            rows: [row, rows, sub as u32, u32::MAX],
+            texture_low: four(brick.voxels.low, u32::from(number == 0)),
+            core_low: four(brick.core.low, 0),
+            core_high: four(brick.core.high, 0),
         }
-        let usage = BufferUsages::UNIFORM;
-        let passes = self.device.device.create_buffer_init(&BufferInitDescriptor {
-            label: Some("passes"),
-            contents: &passes,
-            usage,
-        });
-        let frame = self.frame_group(targets, &passes);
-        let mut encoder = self.encoder();
-        for sub in 0..rays {
-            let mut offset = 0;
-            for number in 0..self.bricks.len() {
-                let brick = self.bricks[number];
-                let view = self.resident.texture(self.device, &brick)?;
-                let volume = self.volume_group(&view);
-                offset = ((u64::from(sub) * self.bricks.len() as u64 + number as u64) * stride) as u32;
-                dispatch(&mut encoder, &self.march, &[&frame, &volume, &self.table], offset, targets.width, rows);
-                if !self.resident.is_complete() {
-                    // The next upload needs the memory of this brick.
-                    self.device.queue.submit([std::mem::replace(&mut encoder, self.encoder()).finish()]);
-                    self.device.wait()?;
-                }
-                if number + 1 == self.bricks.len() {
-                    dispatch(&mut encoder, &self.resolve, &[&frame, &volume, &self.table], offset, targets.width, rows);
-                }
-            }
-            let _ = offset;
-        }
-        targets.copy(&mut encoder, rows);
-        self.device.queue.submit([encoder.finish()]);
-        Ok(())
     }
 
     fn encoder(&self) -> CommandEncoder {
@@ -247,17 +276,12 @@ impl<'a> RayCaster<'a> {
     }
 
     fn volume_group(&self, volume: &TextureView) -> BindGroup {
-        let sampler = self.device.device.create_sampler(&SamplerDescriptor {
-            mag_filter: FilterMode::Linear,
-            min_filter: FilterMode::Linear,
-            ..Default::default()
-        });
         let mut entries = vec![
             BindGroupEntry { binding: 0, resource: BindingResource::TextureView(volume) },
             BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&self.blocks) },
         ];
-        if self.hardware {
-            entries.push(BindGroupEntry { binding: 1, resource: BindingResource::Sampler(&sampler) });
+        if let Some(sampler) = &self.sampler {
+            entries.push(BindGroupEntry { binding: 1, resource: BindingResource::Sampler(sampler) });
         }
         self.device.device.create_bind_group(&BindGroupDescriptor {
             label: Some("volume"),
@@ -287,8 +311,15 @@ fn dispatch(
 fn storage<T: Pod>(device: &Device, label: &str, content: &[T]) -> Buffer {
     let nothing = [0u8; 64];
     let contents = if content.is_empty() { &nothing } else { cast_slice(content) };
-    let usage = BufferUsages::STORAGE;
-    device.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
+    device.buffer(label, contents, BufferUsages::STORAGE)
+}
+
+fn sampler(device: &Device) -> Sampler {
+    device.device.create_sampler(&SamplerDescriptor {
+        mag_filter: FilterMode::Linear,
+        min_filter: FilterMode::Linear,
+        ..Default::default()
+    })
 }
 
 /// The blocks as a texture; a single one where none is asked.
@@ -302,72 +333,3 @@ fn block_texture(device: &Device, blocks: Option<&BlockMap>, extremes: bool) -> 
     let texture = texture::of_bytes(device, "blocks", format, dims, bytes);
     texture.create_view(&Default::default())
 }
-
-/// What a band is drawn into.
-struct Targets {
-    width: u32,
-    rows: u32,
-    states: Buffer,
-    pixels: Buffer,
-    copied: Buffer,
-}
-
-impl Targets {
-    fn new(device: &Device, width: u32, rows: u32) -> Self {
-        let count = u64::from(width) * u64::from(rows);
-        let buffer = |label, bytes: u64, usage| {
-            let descriptor =
-                BufferDescriptor { label: Some(label), size: count * bytes, usage, mapped_at_creation: false };
-            device.device.create_buffer(&descriptor)
-        };
-        let pixel = size_of::<Pixel>() as u64;
-        Self {
-            width,
-            rows,
-            states: buffer("states", uniforms::STATE_BYTES, BufferUsages::STORAGE),
-            pixels: buffer("pixels", pixel, BufferUsages::STORAGE | BufferUsages::COPY_SRC),
-            copied: buffer("copied", pixel, BufferUsages::MAP_READ | BufferUsages::COPY_DST),
-        }
-    }
-
-    fn bytes(&self, rows: u32) -> u64 {
-        u64::from(self.width) * u64::from(rows) * size_of::<Pixel>() as u64
-    }
-
-    fn copy(&self, encoder: &mut CommandEncoder, rows: u32) {
-        encoder.copy_buffer_to_buffer(&self.pixels, 0, &self.copied, 0, self.bytes(rows));
-    }
-
-    /// Waits for a band and puts it into the picture.
-    fn read(&self, device: &Device, row: u32, rows: u32, picture: &mut Picture) -> Result<(), GpuError> {
-        let slice = self.copied.slice(..self.bytes(rows));
-        // A failure is reported by the device, too.
-        slice.map_async(MapMode::Read, |_| ());
-        device.wait()?;
-        let mapped = slice.get_mapped_range().map_err(|error| GpuError::Lost { reason: error.to_string() })?;
-        let pixels: &[Pixel] = cast_slice(&mapped);
-        let start = row as usize * picture.width;
-        let statistics = &mut picture.statistics;
-        for (place, pixel) in (start..).zip(pixels) {
-            picture.color[place] = pixel.color;
-            let [x, y, z, depth] = pixel.surface;
-            if depth < NOWHERE {
-                picture.depth[place] = depth;
-                picture.normal[place] = [x, y, z];
-            }
-            let [samples, visible, skipped, rays] = pixel.counts;
-            picture.samples[place] = samples;
-            statistics.samples += u64::from(samples);
-            statistics.samples_visible += u64::from(visible);
-            statistics.samples_skipped += u64::from(skipped);
-            statistics.rays_hit += u64::from(rays & 0xffff);
-            statistics.rays_terminated += u64::from(rays >> 16);
-        }
-        drop(mapped);
-        self.copied.unmap();
-        Ok(())
-    }
-}
-
-/// Depth of a pixel that met nothing; `march.wgsl` has the same.
-const NOWHERE: f32 = 1e30;

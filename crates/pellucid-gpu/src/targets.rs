@@ -1,0 +1,92 @@
+//! What a band of the picture is drawn into, and how it comes back.
+
+use bytemuck::cast_slice;
+use pellucid_scene::Frame as Picture;
+use wgpu::{Buffer, BufferDescriptor, BufferUsages, CommandEncoder, MapMode};
+
+use crate::uniforms::{Pixel, STATE_BYTES};
+use crate::{Device, GpuError};
+
+/// Depth of a pixel that met nothing; `march.wgsl` has the same.
+const NOWHERE: f32 = 1e30;
+
+/// The states of a band's rays, its pixels, and a copy of them that can be read.
+pub struct Targets {
+    width: u32,
+    rows: u32,
+    /// A ray's state per pixel.
+    pub states: Buffer,
+    /// Pixels.
+    pub pixels: Buffer,
+    copied: Buffer,
+}
+
+impl Targets {
+    /// Bytes per pixel of a band.
+    pub const PIXEL_BYTES: u64 = STATE_BYTES + 2 * size_of::<Pixel>() as u64;
+
+    /// Room for a number of rows.
+    pub fn new(device: &Device, width: u32, rows: u32) -> Self {
+        let count = u64::from(width) * u64::from(rows);
+        let buffer = |label, bytes: u64, usage| {
+            let descriptor =
+                BufferDescriptor { label: Some(label), size: count * bytes, usage, mapped_at_creation: false };
+            device.device.create_buffer(&descriptor)
+        };
+        let pixel = size_of::<Pixel>() as u64;
+        Self {
+            width,
+            rows,
+            states: buffer("states", STATE_BYTES, BufferUsages::STORAGE),
+            pixels: buffer("pixels", pixel, BufferUsages::STORAGE | BufferUsages::COPY_SRC),
+            copied: buffer("copied", pixel, BufferUsages::MAP_READ | BufferUsages::COPY_DST),
+        }
+    }
+
+    /// Whether so many rows fit.
+    pub fn fits(&self, rows: u32) -> bool {
+        rows <= self.rows
+    }
+
+    fn bytes(&self, rows: u32) -> u64 {
+        u64::from(self.width) * u64::from(rows) * size_of::<Pixel>() as u64
+    }
+
+    /// Copies the pixels to where they can be read.
+    pub fn copy(&self, encoder: &mut CommandEncoder, rows: u32) {
+        encoder.copy_buffer_to_buffer(&self.pixels, 0, &self.copied, 0, self.bytes(rows));
+    }
+
+    /// Waits for a band and puts it into the picture.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn read(&self, device: &Device, row: u32, rows: u32, picture: &mut Picture) -> Result<(), GpuError> {
+        let slice = self.copied.slice(..self.bytes(rows));
+        // A failure is reported by the device, too.
+        slice.map_async(MapMode::Read, |_| ());
+        device.wait()?;
+        let mapped = slice.get_mapped_range().map_err(|error| GpuError::Lost { reason: error.to_string() })?;
+        let pixels: &[Pixel] = cast_slice(&mapped);
+        let start = row as usize * picture.width;
+        let statistics = &mut picture.statistics;
+        for (place, pixel) in (start..).zip(pixels) {
+            picture.color[place] = pixel.color;
+            let [x, y, z, depth] = pixel.surface;
+            if depth < NOWHERE {
+                picture.depth[place] = depth;
+                picture.normal[place] = [x, y, z];
+            }
+            let [samples, visible, skipped, rays] = pixel.counts;
+            picture.samples[place] = samples;
+            statistics.samples += u64::from(samples);
+            statistics.samples_visible += u64::from(visible);
+            statistics.samples_skipped += u64::from(skipped);
+            statistics.rays_hit += u64::from(rays & 0xffff);
+            statistics.rays_terminated += u64::from(rays >> 16);
+        }
+        drop(mapped);
+        self.copied.unmap();
+        Ok(())
+    }
+}
