@@ -50,6 +50,16 @@ pub enum GpuError {
         /// What to do.
         advice: &'static str,
     },
+    /// A part of a volume that is not in it.
+    #[error("voxels {low:?} to {high:?} are not a part of a volume of {dims:?}: the part's end is one beyond its last")]
+    Part {
+        /// First voxel.
+        low: [usize; 3],
+        /// One beyond the last.
+        high: [usize; 3],
+        /// Voxels of the volume.
+        dims: [usize; 3],
+    },
     /// The device rejected a command: a bug of this program or its driver.
     #[error("the graphics device rejected a command: {reason}")]
     Rejected {

@@ -36,6 +36,16 @@ pub struct BlockMap {
     pub content: BlockContent,
 }
 
+impl BlockMap {
+    /// Bytes of the texture.
+    pub fn bytes(&self) -> u64 {
+        match &self.content {
+            BlockContent::Distances(distances) => distances.len() as u64,
+            BlockContent::Extremes(extremes) => size_of_val(extremes.as_slice()) as u64,
+        }
+    }
+}
+
 /// What is known of blocks.
 pub enum BlockContent {
     /// How many blocks away the next one is that can contribute.
@@ -49,11 +59,14 @@ pub enum BlockContent {
 pub struct BlockCache(Option<(Arc<Volume>, usize, Arc<Blocks>)>);
 
 impl BlockCache {
-    fn blocks(&mut self, volume: &Arc<Volume>, component: usize) -> Result<Arc<Blocks>, FieldError> {
+    /// Blocks of the usual size, or so large that they fit into a texture of `side` per axis.
+    fn blocks(&mut self, volume: &Arc<Volume>, component: usize, side: usize) -> Result<Arc<Blocks>, FieldError> {
         match &self.0 {
             Some((v, c, blocks)) if Arc::ptr_eq(v, volume) && *c == component => Ok(blocks.clone()),
             _ => {
-                let blocks = Arc::new(Blocks::new(volume, component, Blocks::CELLS, 0)?);
+                let cells = volume.grid().dims().into_iter().max().unwrap_or(1);
+                let size = Blocks::CELLS.max(cells.div_ceil(side).next_power_of_two());
+                let blocks = Arc::new(Blocks::new(volume, component, size, 0)?);
                 self.0 = Some((volume.clone(), component, blocks.clone()));
                 Ok(blocks)
             }
@@ -62,12 +75,12 @@ impl BlockCache {
 }
 
 impl Optics {
-    /// Makes the tables of a stage.
+    /// Makes the tables of a stage; textures have at most `side` texels per axis.
     ///
     /// # Errors
     /// [`GpuError::Unsupported`] for a filter or gradient that this backend lacks, [`GpuError::Optics`]
     /// if the data's range cannot be tabulated.
-    pub fn new(stage: &Stage, volume: &StageVolume, cache: &mut BlockCache) -> Result<Self, GpuError> {
+    pub fn new(stage: &Stage, volume: &StageVolume, side: usize, cache: &mut BlockCache) -> Result<Self, GpuError> {
         let quality = &stage.quality;
         if quality.filter != Filter::Linear {
             return Err(GpuError::Unsupported { what: "filter but linear".to_owned() });
@@ -99,7 +112,7 @@ impl Optics {
             _ => Vec::new(),
         };
         let blocks =
-            quality.empty_space_skipping.then(|| cache.blocks(&volume.volume, volume.component)).transpose()?;
+            quality.empty_space_skipping.then(|| cache.blocks(&volume.volume, volume.component, side)).transpose()?;
         let blocks = blocks.and_then(|blocks| {
             let live = |[low, high]: [f32; 2]| match pass {
                 Pass::Isosurface => levels.iter().any(|level| (low..=high).contains(&level.value[0])),
@@ -116,6 +129,13 @@ impl Optics {
             Some(BlockMap { dims: blocks.dims(), size: blocks.size(), content })
         });
         Ok(Self { pass, opaque, entries, nodes, blocks, levels })
+    }
+}
+
+impl Optics {
+    /// Bytes of the tables.
+    pub fn bytes(&self) -> u64 {
+        (size_of_val(self.entries.as_slice()) + size_of_val(self.levels.as_slice())) as u64
     }
 }
 

@@ -1,16 +1,20 @@
 //! From a stage to a frame.
 
+use std::fmt;
+use std::sync::Arc;
 use std::time::Instant;
 
+use pellucid_field::Volume;
 use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, StageVolume};
 
+use crate::bricks::Brick;
 use crate::device::Device;
-use crate::optics::BlockCache;
+use crate::optics::{BlockCache, Optics};
 use crate::pipelines::Pipelines;
-use crate::ray_cast::{RayCaster, Reused};
+use crate::ray_cast::{Bands, RayCaster};
 use crate::resident::Resident;
-use crate::tables::Tables;
-use crate::{AdapterChoice, Ceiling, GpuError};
+use crate::texture::{Encoding, Part};
+use crate::{AdapterChoice, Ceiling, GpuError, MemoryPlan};
 
 /// How the field is interpolated between voxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,35 +27,27 @@ pub enum Interpolation {
     Hardware,
 }
 
-/// How the work of a frame is handed to the device.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Passes {
-    /// Every ray from its entry to its end at once (7.2), in bands of the picture that take a few
-    /// hundredths of a second.
-    #[default]
-    Single,
-    /// All rays for a while, then those that are not done (7.4): the picture is the same to the bit, no
-    /// submission is long whatever rays meet, and rays that have ended cost nothing. Volumes in bricks
-    /// are drawn brick by brick instead.
-    Wavefront,
-}
-
-/// How frames are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Drawing {
-    pub interpolation: Interpolation,
-    pub passes: Passes,
+impl fmt::Display for Interpolation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Exact => "exact",
+            Self::Hardware => "hardware",
+        })
+    }
 }
 
 /// The GPU backend. Keep one for several frames: the volume stays on the device, and so do pipelines.
 pub struct GpuRenderer {
     device: Device,
-    drawing: Drawing,
+    interpolation: Interpolation,
     pipelines: Pipelines,
     blocks: BlockCache,
     resident: Option<Resident>,
-    tables: Option<Tables>,
-    reused: Reused,
+    bands: Bands,
+    /// Most bytes to use: the device's, or less once it had no more.
+    budget: u64,
+    /// Drawn into, so that a frame is finished or what it was before.
+    next: Frame,
 }
 
 impl GpuRenderer {
@@ -66,26 +62,26 @@ impl GpuRenderer {
     /// A renderer on an open device.
     pub fn on(device: Device) -> Self {
         Self {
-            reused: Reused::new(&device),
+            budget: device.capabilities.memory,
             device,
-            drawing: Drawing::default(),
+            interpolation: Interpolation::default(),
             pipelines: Pipelines::default(),
             blocks: BlockCache::default(),
             resident: None,
-            tables: None,
+            bands: Bands::default(),
+            next: Frame::default(),
         }
     }
 
     /// The same renderer with another interpolation.
     pub fn with_interpolation(mut self, interpolation: Interpolation) -> Self {
-        self.drawing.interpolation = interpolation;
+        self.interpolation = interpolation;
         self
     }
 
-    /// The same renderer with its work in other portions.
-    pub fn with_passes(mut self, passes: Passes) -> Self {
-        self.drawing.passes = passes;
-        self
+    /// How the field is interpolated, if its format allows it.
+    pub fn interpolation(&self) -> Interpolation {
+        self.interpolation
     }
 
     /// The device it draws with.
@@ -106,25 +102,94 @@ impl GpuRenderer {
     /// Draws a frame into one that is there; its memory is used again.
     ///
     /// # Errors
-    /// [`GpuError`]; the frame is then empty or unfinished.
+    /// [`GpuError`]; the frame is then what it was before.
     pub fn render_into(&mut self, stage: &Stage, control: &Control, frame: &mut Frame) -> Result<(), GpuError> {
+        let drawn = match self.draw(stage, control) {
+            Err(GpuError::Memory { .. }) if self.resident.is_some() => {
+                // Drivers do not tell beforehand what they have: once more, with half of what was tried.
+                let tried = self.resident.take().map_or(self.budget, |resident| resident.plan.total());
+                self.budget = tried / 2;
+                self.draw(stage, control).map(|()| {
+                    let plan = self.resident.as_ref().map(|resident| resident.plan.to_string());
+                    let reason = format!(
+                        "the graphics device has no {} MiB; drawn with {}",
+                        tried >> 20,
+                        plan.unwrap_or_default()
+                    );
+                    self.next.warnings.push(RenderWarning::Memory { reason });
+                })
+            }
+            drawn => drawn,
+        };
+        if let Err(error) = &drawn
+            && *error != GpuError::Cancelled
+        {
+            // Whatever is on the device is not to be relied on.
+            self.resident = None;
+        }
+        drawn?;
+        std::mem::swap(&mut self.next, frame);
+        Ok(())
+    }
+
+    /// What drawing a stage needs on the device. Nothing is uploaded.
+    ///
+    /// # Errors
+    /// As [`GpuRenderer::render`].
+    pub fn plan(&mut self, stage: &Stage) -> Result<MemoryPlan, GpuError> {
+        self.prepare(stage).map(|prepared| prepared.plan)
+    }
+
+    /// Uploads what changed: `volume` is the one drawn last but for the voxels in `part`, and the stages
+    /// to come show it. If it differs in shape or type, or none was drawn yet, nothing is done: a volume
+    /// that is not known is uploaded when it is drawn.
+    ///
+    /// The voxels are on their way when this returns, and there before the next frame is drawn (8.2-1).
+    ///
+    /// # Errors
+    /// [`GpuError::Part`] if the part does not lie in the volume; what the device reports.
+    pub fn update(&mut self, volume: &Arc<Volume>, part: Part) -> Result<(), GpuError> {
+        let dims = volume.grid().dims();
+        if (0..3).any(|axis| part.low[axis] > part.high[axis] || part.high[axis] > dims[axis]) {
+            return Err(GpuError::Part { low: part.low, high: part.high, dims });
+        }
+        let encoding = Encoding::of(volume, &self.device.capabilities);
+        if let Some(resident) = &mut self.resident
+            && !resident.update(&self.device, volume, &encoding, part)?
+        {
+            self.resident = None;
+        }
+        Ok(())
+    }
+
+    fn prepare<'s>(&mut self, stage: &'s Stage) -> Result<Prepared<'s>, GpuError> {
         let [volume] = stage.volumes.as_slice() else {
             return Err(GpuError::Volumes { found: stage.volumes.len() });
         };
         check_steps(stage, volume)?;
+        let capabilities = &self.device.capabilities;
+        let side = capabilities.limits.max_texture_dimension_3d as usize;
+        let optics = Optics::new(stage, volume, side, &mut self.blocks)?;
+        let encoding = Encoding::of(&volume.volume, capabilities);
+        let (plan, bricks) = MemoryPlan::new(&self.device, self.budget, stage, volume, &encoding, &optics)?;
+        Ok(Prepared { volume, optics, encoding, plan, bricks })
+    }
+
+    /// Draws the next frame.
+    fn draw(&mut self, stage: &Stage, control: &Control) -> Result<(), GpuError> {
         let started = Instant::now();
-        let tables = Tables::of(self.tables.take(), &self.device, stage, volume, &mut self.blocks)?;
-        let tables = self.tables.insert(tables);
-        let mut resident = match self.resident.take() {
-            Some(resident) if resident.holds(volume, stage) => resident,
-            _ => Resident::plan(&self.device, volume, stage)?,
-        };
+        let Prepared { volume, optics, encoding, plan, bricks } = self.prepare(stage)?;
+        // The memory of the last volume is free before that of this one is asked for.
+        self.resident.take_if(|resident| !resident.holds(volume, &plan, &bricks));
+        let resident =
+            self.resident.get_or_insert_with(|| Resident::new(&self.device, volume, encoding, plan.clone(), bricks));
+        resident.plan = plan;
+        let hardware = self.interpolation == Interpolation::Hardware;
+        let mut caster = RayCaster::new(&self.device, &mut self.pipelines, resident, stage, volume, &optics, hardware)?;
         let drawing = Instant::now();
+        let frame = &mut self.next;
         frame.clear(stage.viewpoint.width, stage.viewpoint.height);
-        let mut caster =
-            RayCaster::new(&self.device, &mut self.pipelines, &mut resident, stage, volume, tables, self.drawing)?;
-        caster.draw(&mut self.reused, control, frame)?;
-        self.resident = Some(resident);
+        caster.draw(&mut self.bands, control, frame)?;
         let rays = (stage.viewpoint.width * stage.viewpoint.height) as u64;
         frame.statistics = FrameStatistics {
             rays: rays * u64::from(stage.quality.supersampling).pow(2),
@@ -139,9 +204,51 @@ impl GpuRenderer {
     }
 }
 
+/// What is known of a stage before anything of it is on the device.
+struct Prepared<'s> {
+    volume: &'s StageVolume,
+    optics: Optics,
+    encoding: Encoding,
+    plan: MemoryPlan,
+    bricks: Vec<Brick>,
+}
+
 /// Steps are numbered in `f32`, which counts to 2^24 without a gap.
 fn check_steps(stage: &Stage, volume: &StageVolume) -> Result<(), GpuError> {
     const MOST: u32 = 1 << 24;
     let found = stage.most_steps(volume);
     if found < f64::from(MOST) { Ok(()) } else { Err(GpuError::Steps { found, limit: MOST }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Device;
+    use pellucid_field::Grid;
+    use pellucid_scene::{Format, Scene};
+
+    #[test]
+    fn a_device_without_memory_is_tried_again_with_half_of_it_in_bricks() {
+        let grid = Grid::new([100; 3]).unwrap();
+        let values = (0..grid.len()).map(|k| (k % 251) as u8).collect::<Vec<_>>();
+        let volume = Arc::new(Volume::new(grid, values).unwrap());
+        let mut scene = Scene::parse("[[volumes]]\nsource = \"memory\"", Format::Toml).unwrap();
+        (scene.image.width, scene.image.height) = (16, 16);
+        let (stage, _) = scene.resolve(&[volume]).unwrap();
+        let open = |choice| Device::open(&choice, &Ceiling { memory: Some(1400 << 10), texture_side: None });
+        let device = open(AdapterChoice::Hardware).or_else(|_| open(AdapterChoice::Software)).unwrap();
+        let mut gpu = GpuRenderer::on(device).with_interpolation(Interpolation::Exact);
+        let whole = gpu.render(&stage, &Control::default()).unwrap();
+        let tried = gpu.plan(&stage).unwrap();
+        assert_eq!((tried.bricks, whole.warnings.len()), (1, 0), "{tried}");
+        // What a driver would report.
+        let refused = GpuError::Memory { reason: "none left".to_owned() };
+        gpu.device.note(refused);
+        let again = gpu.render(&stage, &Control::default()).unwrap();
+        let plan = gpu.plan(&stage).unwrap();
+        assert!(plan.bricks > 1 && plan.total() <= tried.total() / 2, "{plan}");
+        assert!(matches!(&again.warnings[..], [RenderWarning::Memory { reason }] if reason.contains("bricks")));
+        assert_eq!(again.color, whole.color);
+        assert!(gpu.render(&stage, &Control::default()).unwrap().warnings.is_empty());
+    }
 }

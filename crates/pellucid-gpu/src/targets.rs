@@ -4,24 +4,29 @@ use bytemuck::cast_slice;
 use pellucid_scene::Frame as Picture;
 use wgpu::{Buffer, BufferDescriptor, BufferUsages, CommandEncoder, MapMode};
 
-use crate::uniforms::{self, Pixel};
+use crate::uniforms::{Pixel, STATE_BYTES};
 use crate::{Device, GpuError};
 
-/// What a band is drawn into.
+/// Depth of a pixel that met nothing; `march.wgsl` has the same.
+const NOWHERE: f32 = 1e30;
+
+/// The states of a band's rays, its pixels, and a copy of them that can be read.
 pub struct Targets {
     /// Pixels per row.
     pub width: u32,
-    /// Rows there is room for.
-    pub rows: u32,
-    /// What rays have found so far.
+    rows: u32,
+    /// A ray's state per pixel.
     pub states: Buffer,
-    /// What pixels have come to.
+    /// Pixels.
     pub pixels: Buffer,
     copied: Buffer,
 }
 
 impl Targets {
-    /// Room for so many rows.
+    /// Bytes per pixel of a band.
+    pub const PIXEL_BYTES: u64 = STATE_BYTES + 2 * size_of::<Pixel>() as u64;
+
+    /// Room for a number of rows.
     pub fn new(device: &Device, width: u32, rows: u32) -> Self {
         let count = u64::from(width) * u64::from(rows);
         let buffer = |label, bytes: u64, usage| {
@@ -33,10 +38,15 @@ impl Targets {
         Self {
             width,
             rows,
-            states: buffer("states", uniforms::STATE_BYTES, BufferUsages::STORAGE),
+            states: buffer("states", STATE_BYTES, BufferUsages::STORAGE),
             pixels: buffer("pixels", pixel, BufferUsages::STORAGE | BufferUsages::COPY_SRC),
             copied: buffer("copied", pixel, BufferUsages::MAP_READ | BufferUsages::COPY_DST),
         }
+    }
+
+    /// Whether so many rows of this width fit.
+    pub fn fits(&self, width: u32, rows: u32) -> bool {
+        width == self.width && rows <= self.rows
     }
 
     fn bytes(&self, rows: u32) -> u64 {
@@ -81,6 +91,3 @@ impl Targets {
         Ok(())
     }
 }
-
-/// Depth of a pixel that met nothing; `march.wgsl` has the same.
-const NOWHERE: f32 = 1e30;

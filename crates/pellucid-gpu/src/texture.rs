@@ -3,15 +3,9 @@
 use half::f16;
 use pellucid_field::{Volume, Voxel, Voxels, for_voxels};
 use wgpu::util::{DeviceExt, TextureDataOrder};
-use wgpu::{
-    Extent3d, Features, Origin3d, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture, TextureAspect,
-    TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
-};
+use wgpu::{Extent3d, Features, Texture, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages};
 
 use crate::{Capabilities, Device};
-
-/// Most bytes that are handed to the driver at once.
-const SLAB_BYTES: usize = 32 << 20;
 
 /// How a volume's voxels are held in a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +53,26 @@ impl Encoding {
         }
     }
 
+    /// Appends a row of voxels of one component, from voxel `first` of the grid on.
+    pub fn append(&self, bytes: &mut Vec<u8>, volume: &Volume, component: usize, first: usize, count: usize) {
+        let components = volume.components();
+        let as_they_are = match volume.voxels() {
+            Voxels::U8(_) | Voxels::F16(_) => self.format != TextureFormat::R32Float,
+            Voxels::U16(_) => self.format == TextureFormat::R16Unorm,
+            Voxels::F32(_) => !self.holes,
+            _ => false,
+        };
+        for_voxels!(volume.voxels(), data => {
+            let run = &data[first * components..(first + count) * components];
+            if as_they_are && components == 1 {
+                bytes.extend_from_slice(bytemuck::cast_slice(run));
+            } else {
+                let voxels = run.iter().skip(component).step_by(components);
+                encode(bytes, self.format, self.stored[1] as f32, voxels);
+            }
+        });
+    }
+
     /// What a shader reads, times the first and plus the second, is the data value.
     pub fn data(&self, volume: &Volume) -> [f64; 2] {
         let map = volume.value_map();
@@ -79,6 +93,13 @@ impl Part {
     /// Voxels per axis.
     pub fn dims(&self) -> [usize; 3] {
         [0, 1, 2].map(|axis| self.high[axis] - self.low[axis])
+    }
+
+    /// The voxels of both, if there are any.
+    pub fn common(&self, other: &Self) -> Option<Self> {
+        let low = [0, 1, 2].map(|axis| self.low[axis].max(other.low[axis]));
+        let high = [0, 1, 2].map(|axis| self.high[axis].min(other.high[axis]));
+        (0..3).all(|axis| low[axis] < high[axis]).then_some(Self { low, high })
     }
 }
 
@@ -111,60 +132,15 @@ pub fn of_bytes(device: &Device, label: &str, format: TextureFormat, dims: [usiz
     device.device.create_texture_with_data(&device.queue, &descriptor, TextureDataOrder::default(), bytes)
 }
 
-/// Fills a texture with a part of one component of a volume; the part's first voxel becomes texel
-/// `at`.
-pub fn upload(
-    device: &Device,
-    texture: &Texture,
-    encoding: &Encoding,
-    volume: &Volume,
-    component: usize,
-    part: Part,
-    at: [usize; 3],
-) {
-    let dims = part.dims();
-    let slices = (SLAB_BYTES / (dims[0] * dims[1] * encoding.bytes)).clamp(1, dims[2]);
-    let mut bytes = Vec::with_capacity(slices * dims[0] * dims[1] * encoding.bytes);
-    for first in (0..dims[2]).step_by(slices) {
-        let count = slices.min(dims[2] - first);
-        bytes.clear();
-        for z in part.low[2] + first..part.low[2] + first + count {
-            for y in part.low[1]..part.high[1] {
-                let row = volume.grid().linear_index([part.low[0], y, z]);
-                for_voxels!(volume.voxels(), data => {
-                    encode(&mut bytes, encoding, data, (row, volume.components(), component, dims[0]));
-                });
-            }
-        }
-        let origin = Origin3d { x: at[0] as u32, y: at[1] as u32, z: (at[2] + first) as u32 };
-        let place = TexelCopyTextureInfo { texture, mip_level: 0, origin, aspect: TextureAspect::All };
-        let layout = TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some((dims[0] * encoding.bytes) as u32),
-            rows_per_image: Some(dims[1] as u32),
-        };
-        device.queue.write_texture(place, &bytes, layout, extent([dims[0], dims[1], count]));
-    }
-}
-
 pub(crate) fn extent([width, height, depth]: [usize; 3]) -> Extent3d {
     Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: depth as u32 }
 }
 
-/// Appends a run of voxels: from voxel `first` on, one component of several, so many.
-fn encode<T: Voxel>(
-    bytes: &mut Vec<u8>,
-    encoding: &Encoding,
-    data: &[T],
-    (first, components, component, count): (usize, usize, usize, usize),
-) {
-    let run = &data[first * components..(first + count) * components];
-    let voxels = run.iter().skip(component).step_by(components);
-    match encoding.format {
-        TextureFormat::R8Unorm => bytes.extend(voxels.map(|v| (v.to_f32() - encoding.stored[1] as f32) as u8)),
-        TextureFormat::R16Unorm => {
-            bytes.extend(voxels.flat_map(|v| ((v.to_f32() - encoding.stored[1] as f32) as u16).to_ne_bytes()));
-        }
+/// Appends voxels, one component of several, in a format.
+fn encode<'v, T: Voxel>(bytes: &mut Vec<u8>, format: TextureFormat, lowest: f32, voxels: impl Iterator<Item = &'v T>) {
+    match format {
+        TextureFormat::R8Unorm => bytes.extend(voxels.map(|v| (v.to_f32() - lowest) as u8)),
+        TextureFormat::R16Unorm => bytes.extend(voxels.flat_map(|v| ((v.to_f32() - lowest) as u16).to_ne_bytes())),
         TextureFormat::R16Float => bytes.extend(voxels.flat_map(|v| f16::from_f32(v.to_f32()).to_ne_bytes())),
         // WGSL knows no NaN: absence is a number that no voxel has.
         _ => bytes.extend(voxels.flat_map(|v| {

@@ -124,23 +124,25 @@ impl Frame {
     }
 
     /// Rays count from the plane across the view in which the volume begins: from a far eye, single
-    /// precision would blur where they enter.
+    /// precision would blur where they enter. Their lengths are in steps, as those of the world may be
+    /// too long or too short for single precision.
     fn set_rays(&mut self, stage: &Stage, grid: &Grid) {
         let view = &stage.viewpoint;
         let depths = grid.world_corners().map(|corner| (corner - view.eye).dot(view.forward));
         let base = depths.into_iter().fold(f64::INFINITY, f64::min).max(0.0);
         let index = |v: DVec3| grid.index_from_world().transform_vector3(v);
+        let step = stage.step;
         let middle = grid.index_from_world().transform_point3(view.eye + view.forward * base);
         let nothing = DVec3::ZERO;
         // Rays of a perspective leave one point, others one direction.
         let (across, turning) = if view.perspective { (base, 1.0) } else { (1.0, 0.0) };
-        self.origin_middle = four(middle, base);
+        self.origin_middle = four(middle, base / step);
         self.origin_right = four(index(view.right * across), 0.0);
         self.origin_up = four(index(view.up * across), 0.0);
         let [right, up] = if turning == 1.0 { [view.right, view.up] } else { [nothing; 2] };
-        self.direction_middle = four(index(view.forward), 0.0);
-        self.direction_right = four(index(right), 0.0);
-        self.direction_up = four(index(up), 0.0);
+        self.direction_middle = four(index(view.forward * step), 0.0);
+        self.direction_right = four(index(right * step), 0.0);
+        self.direction_up = four(index(up * step), 0.0);
         self.world_middle = four(view.forward, 0.0);
         self.world_right = four(right, 0.0);
         self.world_up = four(up, 0.0);
@@ -217,4 +219,46 @@ fn four(v: DVec3, w: f64) -> Four {
 fn rows(matrix: DMat3, last: DVec3) -> [Four; 3] {
     let matrix = matrix.transpose();
     [four(matrix.x_axis, last.x), four(matrix.y_axis, last.y), four(matrix.z_axis, last.z)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shaders::{self, Variant};
+    use std::mem::offset_of;
+    use wgpu::naga::{Module, TypeInner};
+
+    /// Members of a structure of a shader with their offsets, and its size.
+    fn layout(module: &Module, name: &str) -> (Vec<(String, usize)>, usize) {
+        let found = module.types.iter().map(|(_, ty)| ty).find(|ty| {
+            // Imported names come with that of their module behind them.
+            ty.name.as_deref().is_some_and(|full| full == name || full.starts_with(&format!("{name}X_naga")))
+        });
+        let Some(TypeInner::Struct { members, span }) = found.map(|ty| &ty.inner) else {
+            panic!("no structure {name} among {:?}", module.types.iter().map(|(_, ty)| &ty.name).collect::<Vec<_>>());
+        };
+        let member = |m: &wgpu::naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset as usize);
+        (members.iter().map(member).collect(), *span as usize)
+    }
+
+    macro_rules! fields {
+        ($ty:ident: $($field:ident)*) => {
+            (vec![$((stringify!($field).to_owned(), offset_of!($ty, $field))),*], size_of::<$ty>())
+        };
+    }
+
+    #[test]
+    fn structures_are_those_of_the_shaders() {
+        let shaded = Variant { shaded: true, ..Variant::of(shaders::Pass::Isosurface) }.link().unwrap();
+        let resolve = Variant::of(shaders::Pass::Resolve).link().unwrap();
+        let frame = fields!(Frame: origin_middle origin_right origin_up direction_middle direction_right direction_up
+            world_middle world_right world_up low high gradient_x gradient_y gradient_z world_x world_y world_z
+            picture values material limits plane plane_normal size dims blocks counts noise);
+        assert_eq!(layout(&shaded, "Frame"), frame);
+        assert_eq!(layout(&shaded, "Pass"), fields!(Pass: rows texture_low core_low core_high));
+        assert_eq!(layout(&shaded, "Light"), fields!(Light: place radiance axis cone));
+        assert_eq!(layout(&shaded, "Level"), fields!(Level: color value));
+        assert_eq!(layout(&resolve, "Pixel"), fields!(Pixel: color surface counts));
+        assert_eq!(layout(&resolve, "State").1 as u64, STATE_BYTES);
+    }
 }

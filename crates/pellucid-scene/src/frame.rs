@@ -57,6 +57,11 @@ pub enum RenderWarning {
         /// Why, as far as known.
         reason: String,
     },
+    /// Memory was short, and the picture was drawn with less of it.
+    Memory {
+        /// What was short, and what was done.
+        reason: String,
+    },
 }
 
 impl RenderWarning {
@@ -75,6 +80,7 @@ impl fmt::Display for RenderWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Empty { reason } => write!(f, "the picture is empty: {reason}"),
+            Self::Memory { reason } => f.write_str(reason),
         }
     }
 }

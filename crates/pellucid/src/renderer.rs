@@ -5,7 +5,7 @@ use std::fmt;
 use pellucid_cpu::{CpuRenderer, InstructionSet};
 #[cfg(feature = "gpu")]
 use pellucid_gpu::{AdapterChoice, Ceiling, GpuRenderer};
-use pellucid_scene::{Control, Frame, Stage};
+use pellucid_scene::{Choice, Control, Frame, Stage};
 
 /// What draws a stage. Every backend draws the same picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -71,12 +71,25 @@ impl From<pellucid_gpu::GpuError> for RenderError {
 /// Draws stages. Keep one for several frames: what depends on the data alone is made once.
 pub struct Renderer {
     engine: Engine,
+    /// Why graphics hardware is not used, if it was looked for.
+    #[cfg(feature = "gpu")]
+    without_gpu: Option<pellucid_gpu::GpuError>,
 }
 
 enum Engine {
     Cpu(CpuRenderer),
     #[cfg(feature = "gpu")]
     Gpu(Box<GpuRenderer>),
+}
+
+impl From<Engine> for Renderer {
+    fn from(engine: Engine) -> Self {
+        Self {
+            engine,
+            #[cfg(feature = "gpu")]
+            without_gpu: None,
+        }
+    }
 }
 
 impl Default for Renderer {
@@ -87,14 +100,14 @@ impl Default for Renderer {
 
 impl From<CpuRenderer> for Renderer {
     fn from(renderer: CpuRenderer) -> Self {
-        Self { engine: Engine::Cpu(renderer) }
+        Engine::Cpu(renderer).into()
     }
 }
 
 #[cfg(feature = "gpu")]
 impl From<GpuRenderer> for Renderer {
     fn from(renderer: GpuRenderer) -> Self {
-        Self { engine: Engine::Gpu(Box::new(renderer)) }
+        Engine::Gpu(Box::new(renderer)).into()
     }
 }
 
@@ -109,7 +122,7 @@ impl Renderer {
             #[cfg(not(feature = "gpu"))]
             Backend::Auto => Ok(Self::default()),
             #[cfg(feature = "gpu")]
-            Backend::Auto => Ok(hardware().map_or_else(|_| Self::default(), Self::from)),
+            Backend::Auto => Ok(hardware().map_or_else(|error| Self::default().without_gpu(error), Self::from)),
             #[cfg(feature = "gpu")]
             Backend::Gpu => Ok(hardware()?.into()),
         }
@@ -123,7 +136,11 @@ impl Renderer {
     pub fn with_threads(backend: Backend, threads: usize) -> Result<Self, RenderError> {
         let cpu = CpuRenderer::with_threads(threads)?;
         let renderer = Self::new(backend)?;
-        Ok(if matches!(renderer.engine, Engine::Cpu(_)) { cpu.into() } else { renderer })
+        Ok(if matches!(renderer.engine, Engine::Cpu(_)) {
+            Self { engine: Engine::Cpu(cpu), ..renderer }
+        } else {
+            renderer
+        })
     }
 
     /// The same renderer with other processor instructions, if the processor draws. The picture
@@ -132,11 +149,18 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::Cpu`] if the machine lacks them.
     pub fn with_instructions(self, set: InstructionSet) -> Result<Self, RenderError> {
-        Ok(match self.engine {
-            Engine::Cpu(cpu) => cpu.with_instructions(set)?.into(),
+        let engine = match self.engine {
+            Engine::Cpu(cpu) => Engine::Cpu(cpu.with_instructions(set)?),
             #[cfg(feature = "gpu")]
-            engine @ Engine::Gpu(_) => Self { engine },
-        })
+            engine @ Engine::Gpu(_) => engine,
+        };
+        Ok(Self { engine, ..self })
+    }
+
+    /// The same renderer, which tells among its choices why no graphics hardware draws.
+    #[cfg(feature = "gpu")]
+    pub fn without_gpu(self, why: pellucid_gpu::GpuError) -> Self {
+        Self { without_gpu: Some(why), ..self }
     }
 
     /// The processor instructions that are used, never [`InstructionSet::Auto`]; `None` if another
@@ -173,6 +197,31 @@ impl Renderer {
         match &self.engine {
             Engine::Cpu(_) => None,
             Engine::Gpu(gpu) => Some(gpu),
+        }
+    }
+
+    /// What was chosen to draw a stage with: the backend if that was left open, and on a graphics adapter
+    /// its limits and the memory that the stage takes.
+    ///
+    /// # Errors
+    /// [`RenderError`] if the stage cannot be drawn.
+    pub fn choices(&mut self, stage: &Stage) -> Result<Vec<Choice>, RenderError> {
+        match &mut self.engine {
+            #[cfg(not(feature = "gpu"))]
+            Engine::Cpu(_) => Ok(Vec::new()),
+            #[cfg(feature = "gpu")]
+            Engine::Cpu(_) => {
+                let choice = |why| Choice { setting: "backend", chosen: format!("cpu, as there is {why}") };
+                Ok(self.without_gpu.iter().map(choice).collect())
+            }
+            #[cfg(feature = "gpu")]
+            Engine::Gpu(gpu) => {
+                let plan = gpu.plan(stage)?;
+                let (device, interpolation) = (gpu.device(), gpu.interpolation());
+                let chosen = format!("{}; {}; {interpolation} interpolation", device.adapter, device.capabilities);
+                let memory = Choice { setting: "graphics memory", chosen: plan.to_string() };
+                Ok(vec![Choice { setting: "backend", chosen }, memory])
+            }
         }
     }
 

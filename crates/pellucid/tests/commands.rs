@@ -39,6 +39,49 @@ fn info_tells_what_is_in_a_file() {
 }
 
 #[test]
+fn graphics_adapters_are_listed() {
+    let folder = tempdir().unwrap();
+    let all: Value = serde_json::from_str(&succeed_in(folder.path(), &["info", "--adapters", "--json"])).unwrap();
+    let said = succeed_in(folder.path(), &["info", "--adapters"]);
+    let all = all.as_array().unwrap();
+    assert!(!all.is_empty(), "the tests need a Vulkan driver; on Debian: apt-get install mesa-vulkan-drivers");
+    for adapter in all {
+        assert!(said.contains(adapter["name"].as_str().unwrap()), "{said}");
+        assert!(adapter["limits"]["texture_3d"].as_u64().unwrap() >= 256, "{adapter}");
+        assert!(adapter["features"]["float32_filterable"].is_boolean(), "{adapter}");
+    }
+    fail_in(folder.path(), &["info", "--adapters", "sample:ball"], 2);
+    fail_in(folder.path(), &["info"], 2);
+}
+
+#[test]
+fn what_draws_is_said_with_its_reason() {
+    let folder = tempdir().unwrap();
+    let draw = |flags: &[&str]| {
+        let input = ["render", "sample:ball@16x16x16", "--size", "32x32", "-o", "a.png"];
+        let output = run_in(folder.path(), &[&input, flags].concat());
+        (output.status.code(), text(&output.stderr))
+    };
+    let (code, said) = draw(&["--adapter", "software", "--interpolation", "exact", "--gpu-memory", "64"]);
+    assert_eq!(code, Some(0), "{said}");
+    for part in
+        ["backend: ", "3D textures to", "exact interpolation", "graphics memory: ", "MiB of 64.0 (voxels", "whole"]
+    {
+        assert!(said.contains(part), "'{part}' is not in {said}");
+    }
+    let (code, said) = draw(&["--adapter", "none such"]);
+    assert!(code == Some(1) && said.contains("'none such'; found: "), "{said}");
+    // Whatever this machine has.
+    let (code, said) = draw(&[]);
+    assert!(code == Some(0) && said.contains("backend: "), "{said}");
+    assert!(
+        said.contains("backend: cpu, as there is no graphics adapter that is hardware") || said.contains("3D textures")
+    );
+    let (code, said) = draw(&["--backend", "cpu"]);
+    assert!(code == Some(0) && !said.contains("backend: "), "{said}");
+}
+
+#[test]
 fn samples_are_written_in_every_format_and_converted() {
     let folder = tempdir().unwrap();
     let path = folder.path();

@@ -94,7 +94,7 @@ fn every_flag_reaches_its_place_in_the_document() {
 }
 
 /// Flags of `render --help` that do not concern the scene.
-const OUTPUT: [&str; 12] = [
+const OUTPUT: [&str; 15] = [
     "--output",
     "--bits",
     "--aux",
@@ -102,6 +102,9 @@ const OUTPUT: [&str; 12] = [
     "--backend",
     "--threads",
     "--simd",
+    "--adapter",
+    "--interpolation",
+    "--gpu-memory",
     "--accumulate",
     "--json",
     "--quiet",
@@ -254,6 +257,9 @@ fn wrong_flags_name_flag_value_and_what_is_expected() {
         (&["--component", "3"], &["component", "3", "1"]),
         (&["--threads", "0"], &["--threads", "1..=1024"]),
         (&["--light", "sun"], &["--light", "three-point"]),
+        (&["--interpolation", "fast"], &["--interpolation", "fast", "hardware", "exact"]),
+        (&["--gpu-memory", "0"], &["--gpu-memory", "1..="]),
+        (&["--backend", "cuda"], &["--backend", "cuda", "auto", "cpu", "gpu"]),
         (&["--azimuth", "30", "--eye", "0,0,1"], &["--azimuth", "--eye"]),
     ] {
         let message = fail(flags);

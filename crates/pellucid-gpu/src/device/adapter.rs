@@ -4,6 +4,7 @@ use std::fmt;
 
 use wgpu::{Backends, DeviceType, Instance, InstanceDescriptor};
 
+use super::{Capabilities, Ceiling};
 use crate::GpuError;
 
 /// Which adapter to draw with.
@@ -61,9 +62,10 @@ impl fmt::Display for AdapterSummary {
     }
 }
 
-/// All adapters, the best first.
-pub fn adapters() -> Vec<AdapterSummary> {
-    found().into_iter().map(|(_, summary)| summary).collect()
+/// All adapters with what they can do, the best first.
+pub fn adapters() -> Vec<(AdapterSummary, Capabilities)> {
+    let capabilities = |adapter: &_| Capabilities::of(adapter, &Ceiling::default());
+    found().into_iter().map(|(adapter, summary)| (summary, capabilities(&adapter))).collect()
 }
 
 fn found() -> Vec<(wgpu::Adapter, AdapterSummary)> {

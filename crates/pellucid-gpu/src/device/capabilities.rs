@@ -36,6 +36,11 @@ impl Capabilities {
         Self { features: adapter.features() & Self::USEFUL, limits, memory }
     }
 
+    /// The features that this backend has a use for, by name, and whether they are there.
+    pub fn optional(&self) -> impl Iterator<Item = (&'static str, bool)> + use<'_> {
+        Self::USEFUL.iter_names().map(|(name, feature)| (name, self.has(feature)))
+    }
+
     /// Whether a feature is there.
     pub fn has(&self, feature: Features) -> bool {
         self.features.contains(feature)

@@ -5,7 +5,10 @@ mod capabilities;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use wgpu::{DeviceDescriptor, DeviceLostReason, ExperimentalFeatures, MemoryHints, PollType, Trace};
+use wgpu::{
+    Buffer, BufferDescriptor, BufferUsages, COPY_BUFFER_ALIGNMENT, DeviceDescriptor, DeviceLostReason,
+    ExperimentalFeatures, MemoryHints, PollType, SubmissionIndex, Trace,
+};
 
 pub use adapter::{AdapterChoice, AdapterSummary, adapters};
 pub use capabilities::Capabilities;
@@ -62,10 +65,37 @@ impl Device {
     /// # Errors
     /// As [`Device::check`].
     pub fn wait(&self) -> Result<(), GpuError> {
-        if let Err(error) = self.device.poll(PollType::wait_indefinitely()) {
-            note(&self.trouble, GpuError::Lost { reason: error.to_string() });
+        self.poll(PollType::wait_indefinitely())
+    }
+
+    /// Waits for a submission and those before it.
+    pub(crate) fn wait_for(&self, submission: SubmissionIndex) -> Result<(), GpuError> {
+        self.poll(PollType::Wait { submission_index: Some(submission), timeout: None })
+    }
+
+    fn poll(&self, what: PollType) -> Result<(), GpuError> {
+        if let Err(error) = self.device.poll(what) {
+            self.note(GpuError::Lost { reason: error.to_string() });
         }
         self.check()
+    }
+
+    /// A buffer with something in it. Where there is no memory it is one without use, and
+    /// [`Device::check`] says so; the helper of wgpu would panic.
+    pub(crate) fn buffer(&self, label: &str, contents: &[u8], usage: BufferUsages) -> Buffer {
+        let size = (contents.len() as u64).next_multiple_of(COPY_BUFFER_ALIGNMENT).max(COPY_BUFFER_ALIGNMENT);
+        let buffer =
+            self.device.create_buffer(&BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: true });
+        if let Ok(mut view) = buffer.get_mapped_range_mut(..) {
+            view.slice(..contents.len()).copy_from_slice(contents);
+        }
+        buffer.unmap();
+        buffer
+    }
+
+    /// Keeps an error until the next look.
+    pub(crate) fn note(&self, error: GpuError) {
+        note(&self.trouble, error);
     }
 
     /// The first thing that went wrong since the last look, if anything did.

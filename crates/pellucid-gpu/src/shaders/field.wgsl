@@ -36,11 +36,13 @@ fn cell_of(p: vec3<f32>) -> vec3<i32> {
     return min(vec3<i32>(floor(p)), max(last_voxel() - 1, vec3<i32>(0)));
 }
 
-// Whether the sample at a position is taken in this pass.
+// Whether the sample at a position is taken in this pass. Bricks overlap a little: a ray along their
+// border could otherwise be rounded into one that has been passed, and would end there.
 fn is_here(p: vec3<f32>) -> bool {
 #ifdef BRICKS
-    let cell = vec3<u32>(cell_of(inside_grid(p)));
-    return all(cell >= bounds.core_low.xyz) && all(cell < bounds.core_high.xyz);
+    const OVERLAP: f32 = 1e-3;
+    let q = inside_grid(p);
+    return all(q >= vec3<f32>(bounds.core_low.xyz) - OVERLAP) && all(q <= vec3<f32>(bounds.core_high.xyz) + OVERLAP);
 #else
     return true;
 #endif
@@ -48,7 +50,9 @@ fn is_here(p: vec3<f32>) -> bool {
 
 fn stored_voxel(voxel: vec3<i32>) -> f32 {
 #ifdef BRICKS
-    return textureLoad(volume, voxel - vec3<i32>(bounds.texture_low.xyz), 0).x;
+    // A gradient in the overlap reaches over the brick's border by as little.
+    let last = vec3<i32>(textureDimensions(volume)) - 1;
+    return textureLoad(volume, clamp(voxel - vec3<i32>(bounds.texture_low.xyz), vec3<i32>(0), last), 0).x;
 #else
     return textureLoad(volume, voxel, 0).x;
 #endif

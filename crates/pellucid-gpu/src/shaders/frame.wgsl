@@ -3,11 +3,11 @@
 
 struct Frame {
     // Where rays cross the base plane, in voxels from the grid's first: at the picture's middle, and
-    // per unit to the right and up. `w` of the first is the base plane's distance from the eye.
+    // per unit to the right and up. `w` of the first is the base plane's distance from the eye, in steps.
     origin_middle: vec4<f32>,
     origin_right: vec4<f32>,
     origin_up: vec4<f32>,
-    // Directions in voxels per world length, not yet divided by their world length.
+    // Directions in voxels per step, not yet divided by their world length.
     direction_middle: vec4<f32>,
     direction_right: vec4<f32>,
     direction_up: vec4<f32>,

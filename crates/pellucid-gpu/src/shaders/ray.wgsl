@@ -21,7 +21,7 @@ struct Ray {
     // Number of segments, 0 if the ray meets nothing; length of the last one in steps.
     count: f32,
     last_ratio: f32,
-    // World distance from the eye to the entry.
+    // Distance from the eye to the entry, in steps.
     entry: f32,
 }
 
@@ -79,14 +79,13 @@ fn ray_of(pixel: vec2<u32>, sub: u32) -> Ray {
     }
 
     var ray: Ray;
-    let step = frame.picture.w;
     ray.origin = origin + direction * t0;
-    ray.direction = direction * step;
+    ray.direction = direction;
     let slow = abs(ray.direction) < vec3<f32>(1e-12);
     ray.inverse = 1.0 / select(ray.direction, vec3<f32>(1e-12), slow);
     ray.to_eye = -world;
     ray.entry = t0 + to_base;
-    let whole = (t1 - t0) / step;
+    let whole = t1 - t0;
     // A remainder below the precision of the interval is no segment.
     let count = max(ceil(whole - 1e-6 * max(whole, 1.0)), 1.0);
     ray.count = select(0.0, count, t0 < t1);

@@ -2,7 +2,7 @@
 
 use std::num::NonZero;
 
-use pellucid::gpu::{AdapterChoice, Ceiling, GpuRenderer, Interpolation, Passes};
+use pellucid::gpu::{AdapterChoice, Ceiling, GpuError, GpuRenderer, Interpolation, Passes};
 use pellucid::{Backend, InstructionSet, RenderError, Renderer};
 
 use super::values;
@@ -57,19 +57,22 @@ impl Engine {
         if self.backend == Backend::Gpu || self.adapter.is_some() {
             return Ok(self.gpu()?.into());
         }
-        if self.backend == Backend::Auto
-            && let Ok(gpu) = self.gpu()
-        {
+        let gpu = (self.backend == Backend::Auto).then(|| self.gpu()).transpose();
+        if let Ok(Some(gpu)) = gpu {
             return Ok(gpu.into());
         }
         let renderer = match self.threads {
             Some(threads) => Renderer::with_threads(Backend::Cpu, threads.into()),
             None => Renderer::new(Backend::Cpu),
         };
-        renderer?.with_instructions(self.simd)
+        let renderer = renderer?.with_instructions(self.simd)?;
+        Ok(match gpu {
+            Err(why) => renderer.without_gpu(why),
+            Ok(_) => renderer,
+        })
     }
 
-    fn gpu(&self) -> Result<GpuRenderer, RenderError> {
+    fn gpu(&self) -> Result<GpuRenderer, GpuError> {
         let choice = match self.adapter.as_deref() {
             None => AdapterChoice::Hardware,
             Some("software") => AdapterChoice::Software,

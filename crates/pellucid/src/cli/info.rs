@@ -8,16 +8,19 @@ use pellucid::scene::{Choice, Scene, Source};
 use serde_json::{Value, json};
 
 use super::failure::Failure;
-use super::histogram;
 use super::input::{Input, RawFlags};
 use super::report::{print, print_json};
+use super::{adapters, histogram};
 
 #[derive(clap::Args)]
 pub struct InfoArgs {
     /// Volume files, scenes, or sample:NAME
-    #[arg(required = true, value_name = "FILE")]
+    #[arg(required_unless_present = "adapters", value_name = "FILE")]
     inputs: Vec<Input>,
-    /// Print one JSON array, an object per volume
+    /// List the graphics adapters instead, with their limits and optional features
+    #[arg(long, conflicts_with = "inputs")]
+    adapters: bool,
+    /// Print one JSON array, an object per volume or adapter
     #[arg(long)]
     json: bool,
     /// Component of the histogram and the automatic choices, from 0 [default: 0]
@@ -28,6 +31,9 @@ pub struct InfoArgs {
 }
 
 pub fn run(args: &InfoArgs) -> Result<(), Failure> {
+    if args.adapters {
+        return adapters::list(args.json);
+    }
     let mut objects = Vec::new();
     for (k, input) in args.inputs.iter().enumerate() {
         let base = input.open(&args.raw)?;

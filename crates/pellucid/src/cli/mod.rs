@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, one per concern.
 
+mod adapters;
 mod bench;
 mod compare;
 mod completions;

@@ -95,7 +95,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let started = Instant::now();
     let (volumes, warnings) = load(&scene, &base.folder)?;
     let load_seconds = started.elapsed().as_secs_f64();
-    let Staged { scene, stage, choices } = args.scene.stage(&base.scene, scene, &volumes)?;
+    let Staged { scene, stage, mut choices } = args.scene.stage(&base.scene, scene, &volumes)?;
     let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     warnings.extend_from_slice(args.scene.warnings());
     report.opening(&volumes, &choices, &warnings);
@@ -106,8 +106,11 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let Some(output) = &args.output.output else { return Ok(()) };
 
     let (frame, save_seconds, backend) = interrupt::gracefully(|| {
-        let renderer = args.engine.renderer()?;
+        let mut renderer = args.engine.renderer()?;
         let backend = renderer.describe();
+        let engine = renderer.choices(&stage)?;
+        engine.iter().for_each(|choice| report.say(choice));
+        choices.extend(engine);
         let frame = draw(renderer, stage, args.accumulate.into(), &cancel, report)?;
         let saving = Instant::now();
         args.output.save(output, &frame, &scene.image)?;
