@@ -8,6 +8,7 @@
 mod bricks;
 mod device;
 mod error;
+mod kernels;
 mod optics;
 mod pipelines;
 mod ray_cast;

@@ -3,7 +3,8 @@
 use std::time::{Duration, Instant};
 
 use bytemuck::{Pod, bytes_of, cast_slice};
-use pellucid_scene::{BLUE_NOISE_TILE, Control, Frame as Picture, Stage, StageVolume, blue_noise};
+use pellucid_field::{Filter, Gradient};
+use pellucid_scene::{BLUE_NOISE_TILE, BlockContent, BlockMap, Control, Frame as Picture, Stage, StageVolume, blue_noise};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindingResource, Buffer, BufferBinding,
@@ -12,7 +13,8 @@ use wgpu::{
 };
 
 use crate::bricks::{self, Brick};
-use crate::optics::{BlockContent, BlockMap, Optics, lights};
+use crate::kernels::Kernels;
+use crate::optics::{Optics, lights};
 use crate::pipelines::Pipelines;
 use crate::resident::Resident;
 use crate::shaders::{Pass, Variant};
@@ -64,7 +66,8 @@ pub struct RayCaster<'a> {
     volume_layout: BindGroupLayout,
     table: BindGroup,
     blocks: TextureView,
-    hardware: bool,
+    kernels: Option<Buffer>,
+    variant: Variant,
     /// Frame, planes, noise, lights, levels.
     parts: [Buffer; 5],
 }
@@ -85,21 +88,25 @@ impl<'a> RayCaster<'a> {
     ) -> Result<Self, GpuError> {
         let grid = volume.volume.grid();
         let region = stage.region(volume);
+        let (filter, gradient) = (optics.tables.filter, stage.quality.gradient);
+        let encoding = resident.encoding();
         let variant = Variant {
             pass: optics.pass,
-            hardware: hardware && resident.encoding.filterable,
-            holes: resident.encoding.holes,
+            hardware: hardware && encoding.filterable && filter == Filter::Linear,
+            holes: encoding.holes,
             bricks: !resident.is_whole(),
             skip: optics.blocks.is_some(),
             shaded: volume.material.is_some() && lights(stage.mode()),
             weighted: volume.gradient_weight.is_some(),
             opaque: optics.opaque,
+            kernels: filter != Filter::Linear || (gradient != Gradient::Central && lights(stage.mode())),
+            strides: optics.blocks.is_some_and(|blocks| blocks.levels.is_some()),
         }
         .canonical();
         let mut frame = Frame::new(stage, volume, &region);
-        frame.set_values(resident.encoding.data(&volume.volume));
+        frame.set_values(resident.field().data());
         frame.set_nodes(&optics.nodes);
-        if let Some(blocks) = &optics.blocks {
+        if let Some(blocks) = optics.blocks {
             frame.set_blocks(blocks.dims, blocks.size);
         }
         let lights: Vec<Light> = stage.lights.iter().map(Light::from).collect();
@@ -118,10 +125,16 @@ impl<'a> RayCaster<'a> {
             storage(device, "lights", &lights),
             storage(device, "levels", &optics.levels),
         ];
-        let blocks = block_texture(device, optics.blocks.as_ref(), optics.pass.compares_extremes());
+        let blocks = block_texture(device, optics.blocks, optics.pass.compares_extremes());
+        let kernels = variant.kernels.then(|| {
+            let kernels = Kernels::new(filter, gradient, resident.voxels().data()).to_fours();
+            let contents = cast_slice(&kernels);
+            let usage = BufferUsages::UNIFORM;
+            device.device.create_buffer_init(&BufferInitDescriptor { label: Some("kernels"), contents, usage })
+        });
         let resolve = pipelines.get(device, Variant::of(Pass::Resolve))?.pipeline.clone();
         let march = pipelines.get(device, variant)?;
-        let entries = storage(device, "table", &optics.entries);
+        let entries = storage(device, "table", optics.entries);
         let table = device.device.create_bind_group(&BindGroupDescriptor {
             label: Some("tables"),
             layout: &march.groups[2],
@@ -140,7 +153,8 @@ impl<'a> RayCaster<'a> {
             volume_layout: march.groups[1].clone(),
             table,
             blocks,
-            hardware: variant.hardware,
+            kernels,
+            variant,
             parts,
         })
     }
@@ -204,8 +218,8 @@ impl<'a> RayCaster<'a> {
             let mut offset = 0;
             for number in 0..self.bricks.len() {
                 let brick = self.bricks[number];
-                let view = self.resident.texture(self.device, &brick)?;
-                let volume = self.volume_group(&view);
+                let views = self.resident.textures(self.device, &brick)?;
+                let volume = self.volume_group(&views);
                 offset = ((u64::from(sub) * self.bricks.len() as u64 + number as u64) * stride) as u32;
                 dispatch(&mut encoder, &self.march, &[&frame, &volume, &self.table], offset, targets.width, rows);
                 if !self.resident.is_complete() {
@@ -246,18 +260,24 @@ impl<'a> RayCaster<'a> {
         })
     }
 
-    fn volume_group(&self, volume: &TextureView) -> BindGroup {
+    fn volume_group(&self, [field, voxels]: &[TextureView; 2]) -> BindGroup {
         let sampler = self.device.device.create_sampler(&SamplerDescriptor {
             mag_filter: FilterMode::Linear,
             min_filter: FilterMode::Linear,
             ..Default::default()
         });
         let mut entries = vec![
-            BindGroupEntry { binding: 0, resource: BindingResource::TextureView(volume) },
+            BindGroupEntry { binding: 0, resource: BindingResource::TextureView(field) },
             BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&self.blocks) },
         ];
-        if self.hardware {
+        if self.variant.hardware {
             entries.push(BindGroupEntry { binding: 1, resource: BindingResource::Sampler(&sampler) });
+        }
+        if let Some(kernels) = &self.kernels {
+            entries.push(BindGroupEntry { binding: 3, resource: kernels.as_entire_binding() });
+        }
+        if self.variant.has_voxels() {
+            entries.push(BindGroupEntry { binding: 4, resource: BindingResource::TextureView(voxels) });
         }
         self.device.device.create_bind_group(&BindGroupDescriptor {
             label: Some("volume"),
@@ -293,13 +313,23 @@ fn storage<T: Pod>(device: &Device, label: &str, content: &[T]) -> Buffer {
 
 /// The blocks as a texture; a single one where none is asked.
 fn block_texture(device: &Device, blocks: Option<&BlockMap>, extremes: bool) -> TextureView {
-    let format = if extremes { TextureFormat::R32Float } else { TextureFormat::R8Uint };
-    let (dims, bytes): ([usize; 3], &[u8]) = match blocks {
-        None => ([1; 3], &[0; 4]),
-        Some(BlockMap { dims, content: BlockContent::Distances(distances), .. }) => (*dims, distances),
-        Some(BlockMap { dims, content: BlockContent::Extremes(extremes), .. }) => (*dims, cast_slice(extremes)),
+    let none = if extremes { TextureFormat::R32Float } else { TextureFormat::R8Uint };
+    let (format, dims, bytes) = match blocks {
+        None => (none, [1; 3], vec![0; 4]),
+        Some(BlockMap { dims, content, levels, .. }) => match (content, levels) {
+            (BlockContent::Distances(distances), None) => (TextureFormat::R8Uint, *dims, distances.clone()),
+            (BlockContent::Distances(distances), Some(levels)) => {
+                let pairs = distances.iter().zip(levels).flat_map(|(&distance, &level)| [distance, level]);
+                (TextureFormat::Rg8Uint, *dims, pairs.collect())
+            }
+            (BlockContent::Extremes(extremes), _) => {
+                // Shaders need not know infinity, which blocks without any value have.
+                let bytes = extremes.iter().flat_map(|v| v.max(f32::MIN).to_ne_bytes());
+                (TextureFormat::R32Float, *dims, bytes.collect())
+            }
+        },
     };
-    let texture = texture::of_bytes(device, "blocks", format, dims, bytes);
+    let texture = texture::of_bytes(device, "blocks", format, dims, &bytes);
     texture.create_view(&Default::default())
 }
 

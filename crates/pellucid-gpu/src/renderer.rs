@@ -2,10 +2,10 @@
 
 use std::time::Instant;
 
-use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, StageVolume};
+use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, StageVolume, TableCache};
 
 use crate::device::Device;
-use crate::optics::{BlockCache, Optics};
+use crate::optics::Optics;
 use crate::pipelines::Pipelines;
 use crate::ray_cast::{Bands, RayCaster};
 use crate::resident::Resident;
@@ -27,7 +27,7 @@ pub struct GpuRenderer {
     device: Device,
     interpolation: Interpolation,
     pipelines: Pipelines,
-    blocks: BlockCache,
+    tables: TableCache,
     resident: Option<Resident>,
     bands: Bands,
 }
@@ -47,7 +47,7 @@ impl GpuRenderer {
             device,
             interpolation: Interpolation::default(),
             pipelines: Pipelines::default(),
-            blocks: BlockCache::default(),
+            tables: TableCache::default(),
             resident: None,
             bands: Bands::default(),
         }
@@ -84,10 +84,11 @@ impl GpuRenderer {
         };
         check_steps(stage, volume)?;
         let started = Instant::now();
-        let optics = Optics::new(stage, volume, &mut self.blocks)?;
+        let tables = self.tables.tables(stage, volume)?;
+        let optics = Optics::new(stage, volume, &tables);
         let mut resident = match self.resident.take() {
-            Some(resident) if resident.holds(volume, stage) => resident,
-            _ => Resident::plan(&self.device, volume, stage)?,
+            Some(resident) if resident.holds(volume, &tables, stage) => resident,
+            _ => Resident::plan(&self.device, volume, &tables, stage)?,
         };
         let drawing = Instant::now();
         frame.clear(stage.viewpoint.width, stage.viewpoint.height);

@@ -24,9 +24,10 @@ macro_rules! source {
 }
 
 /// What passes import; each only from those above it.
-const SHARED: [Source; 10] = [
+const SHARED: [Source; 11] = [
     source!("frame"),
     source!("ray"),
+    source!("kernel"),
     source!("field"),
     source!("table"),
     source!("light"),
@@ -122,20 +123,35 @@ pub struct Variant {
     pub weighted: bool,
     /// Values have opacity 1 (slabs).
     pub opaque: bool,
+    /// The filter is not linear, or the gradient not of central differences.
+    pub kernels: bool,
+    /// Steps adapt to the data.
+    pub strides: bool,
 }
 
 impl Variant {
     /// A pass with nothing compiled in.
     pub fn of(pass: Pass) -> Self {
         let off = false;
-        Self { pass, hardware: off, holes: off, bricks: off, skip: off, shaded: off, weighted: off, opaque: off }
+        Self {
+            pass,
+            hardware: off,
+            holes: off,
+            bricks: off,
+            skip: off,
+            shaded: off,
+            weighted: off,
+            opaque: off,
+            kernels: off,
+            strides: off,
+        }
     }
 
     /// Every shader there is.
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for pass in Pass::ALL {
-            for bits in 0..1 << 7 {
+            for bits in 0..1 << 9 {
                 let on = |bit: u32| bits >> bit & 1 == 1;
                 let variant = Self {
                     pass,
@@ -146,6 +162,8 @@ impl Variant {
                     shaded: on(4),
                     weighted: on(5),
                     opaque: on(6),
+                    kernels: on(7),
+                    strides: on(8),
                 };
                 if variant == variant.canonical() {
                     all.push(variant);
@@ -169,7 +187,14 @@ impl Variant {
         self.shaded &= lights;
         self.weighted &= self.shaded;
         self.opaque &= projects;
+        self.kernels &= self.pass != Resolve;
+        self.strides &= self.skip && self.pass == Composite;
         self
+    }
+
+    /// Whether classified voxels have a texture beside that of the field.
+    pub fn has_voxels(&self) -> bool {
+        self.kernels && self.pass == Pass::CompositePre
     }
 
     /// The names that are defined for the preprocessor.
@@ -182,6 +207,8 @@ impl Variant {
             ("SHADED", self.shaded),
             ("WEIGHTED", self.weighted),
             ("OPAQUE", self.opaque),
+            ("KERNELS", self.kernels),
+            ("STRIDES", self.strides),
             ("EXTREMES", self.pass.compares_extremes()),
             ("MINIMUM", self.pass == Pass::Minimum),
             ("PRECLASSIFIED", self.pass == Pass::CompositePre),
