@@ -2,6 +2,7 @@
 
 use pellucid_field::FieldError;
 use pellucid_optics::OpticsError;
+use pellucid_scene::TableError;
 
 use crate::InstructionSet;
 
@@ -46,4 +47,13 @@ pub enum RenderError {
         /// The system's reason.
         reason: String,
     },
+}
+
+impl From<TableError> for RenderError {
+    fn from(error: TableError) -> Self {
+        match error {
+            TableError::Optics(error) => Self::Optics(error),
+            TableError::Field(error) => Self::Field(error),
+        }
+    }
 }

@@ -24,7 +24,6 @@ mod samples;
 mod segments;
 mod skip;
 mod slice;
-mod stride;
 mod surface;
 mod tiles;
 

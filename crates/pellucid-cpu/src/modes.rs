@@ -94,7 +94,7 @@ impl Prepared<'_> {
                     field,
                     surface: self.surface(),
                     levels,
-                    skip: self.tables.skip.as_ref(),
+                    skip: self.grids.skip.as_ref(),
                     early_termination,
                 })
             }
@@ -118,12 +118,12 @@ impl Prepared<'_> {
         match self.stage.mode() {
             Mode::Average => Box::new(Average { s, field, table: Lookup::of_table(&self.tables.table), opaque: false }),
             Mode::Additive => {
-                let skip = self.tables.skip.as_ref();
+                let skip = self.grids.skip.as_ref();
                 let step_ratio = (self.stage.step / self.volume.unit_distance()) as f32;
                 Box::new(Additive { s, field, table: Lookup::of_table(&self.tables.table), step_ratio, skip })
             }
             Mode::XRay => {
-                let skip = self.tables.skip.as_ref();
+                let skip = self.grids.skip.as_ref();
                 Box::new(XRay { s, field, table: Lookup::of_steps(&self.tables.step_table), skip })
             }
             Mode::Slice(slice) if slice.thickness == 0.0 => {
@@ -148,7 +148,7 @@ impl Prepared<'_> {
 
     fn medium<'a, S: Lanes, F: Field<S>>(&'a self, s: S, field: F) -> Medium<'a, S, F> {
         let early_termination = self.stage.quality.early_termination;
-        Medium { s, field, surface: self.surface(), skip: self.tables.skip.as_ref(), early_termination }
+        Medium { s, field, surface: self.surface(), skip: self.grids.skip.as_ref(), early_termination }
     }
 
     fn extreme<'a, S: Lanes, F: Field<S> + 'a>(
@@ -158,7 +158,7 @@ impl Prepared<'_> {
         minimum: bool,
         opaque: bool,
     ) -> Box<dyn Integrator + 'a> {
-        let skip = self.tables.extremes.as_ref();
+        let skip = self.grids.extremes.as_ref();
         Box::new(Extreme { s, field, table: Lookup::of_table(&self.tables.table), skip, minimum, opaque })
     }
 

@@ -1,167 +1,52 @@
-//! What a frame needs before its first ray: tables for this step, and blocks.
+//! What a frame needs before its first ray: tables for this step, and blocks in the shape lanes meet
+//! them.
 
 use std::sync::Arc;
 
-use pellucid_field::{Blocks, FieldError, Filter, Grid, Volume, spline_coefficients};
-use pellucid_optics::{DataRange, PreIntegration, StepTable, Table, TransferFunction, Visibility};
-use pellucid_scene::{Classification, Combine, Mode, Quality, Region, Slice, Stage, StageVolume};
+use pellucid_field::Grid;
+use pellucid_scene::{BlockContent, Region, Stage, StageVolume, TableCache, Tables};
 
 use crate::RenderError;
 use crate::skip::{ExtremeGrid, SkipGrid};
-use crate::stride;
 
-/// What is kept from frame to frame: what depends on the data alone, and the tables of the last
-/// settings.
+/// What is kept from frame to frame.
 #[derive(Default)]
 pub struct Cache {
-    blocks: Option<(Arc<Volume>, usize, usize, Arc<Blocks>)>,
-    coefficients: Option<(Arc<Volume>, usize, Arc<Volume>)>,
-    tables: Option<(Settings, Arc<Tables>)>,
-}
-
-/// Everything that tables depend on.
-#[derive(PartialEq)]
-struct Settings {
-    transfer_function: TransferFunction,
-    component: usize,
-    step: f64,
-    unit_distance: f64,
-    quality: Quality,
-    mode: Mode,
+    tables: TableCache,
+    grids: Option<(Arc<Tables>, Arc<Grids>)>,
 }
 
 impl Cache {
-    fn blocks(&mut self, volume: &Arc<Volume>, component: usize, reach: usize) -> Result<Arc<Blocks>, FieldError> {
-        match &self.blocks {
-            Some((v, c, r, blocks)) if Arc::ptr_eq(v, volume) && *c == component && *r == reach => Ok(blocks.clone()),
+    fn grids(&mut self, tables: &Arc<Tables>) -> Arc<Grids> {
+        match &self.grids {
+            Some((of, grids)) if Arc::ptr_eq(of, tables) => grids.clone(),
             _ => {
-                let blocks = Arc::new(Blocks::new(volume, component, Blocks::CELLS, reach)?);
-                self.blocks = Some((volume.clone(), component, reach, blocks.clone()));
-                Ok(blocks)
-            }
-        }
-    }
-
-    fn coefficients(&mut self, volume: &Arc<Volume>, component: usize) -> Result<Arc<Volume>, FieldError> {
-        match &self.coefficients {
-            Some((v, c, made)) if Arc::ptr_eq(v, volume) && *c == component => Ok(made.clone()),
-            _ => {
-                let made = Arc::new(spline_coefficients(volume, component)?);
-                self.coefficients = Some((volume.clone(), component, made.clone()));
-                Ok(made)
-            }
-        }
-    }
-
-    fn tables(&mut self, stage: &Stage, volume: &StageVolume) -> Result<Arc<Tables>, RenderError> {
-        let settings = Settings {
-            transfer_function: volume.transfer_function.clone(),
-            component: volume.component,
-            step: stage.step,
-            unit_distance: volume.unit_distance(),
-            quality: stage.quality.clone(),
-            mode: stage.mode().clone(),
-        };
-        match &self.tables {
-            Some((of, tables)) if Arc::ptr_eq(&tables.volume, &volume.volume) && *of == settings => Ok(tables.clone()),
-            _ => {
-                let tables = Arc::new(Tables::new(stage, volume, self)?);
-                self.tables = Some((settings, tables.clone()));
-                Ok(tables)
+                let grids = Arc::new(Grids::new(tables));
+                self.grids = Some((tables.clone(), grids.clone()));
+                grids
             }
         }
     }
 }
 
-/// What depends on a volume, its transfer function and the quality, but not on camera and light.
-pub struct Tables {
-    /// What is drawn.
-    volume: Arc<Volume>,
-    /// What the reconstruction reads: the volume, or its filter coefficients.
-    pub field: Arc<Volume>,
-    /// The component of `field` that is read.
-    pub component: usize,
-    /// How `field` is read.
-    pub filter: Filter,
-    /// Colour and opacity per unit distance.
-    pub table: Table,
-    /// Associated colour and opacity of one step.
-    pub step_table: StepTable,
-    /// The entries of all strides, if steps adapt to the data.
-    pub stride_entries: Option<Vec<[f32; 4]>>,
-    /// Ray integrals of one step, if classification is pre-integrated.
-    pub preintegration: Option<PreIntegration>,
+/// The blocks of tables.
+pub struct Grids {
     /// Blocks that can contribute, for modes that know.
     pub skip: Option<SkipGrid>,
     /// Extremes of blocks, for modes that project one.
     pub extremes: Option<ExtremeGrid>,
 }
 
-impl Tables {
-    fn new(stage: &Stage, volume: &StageVolume, cache: &mut Cache) -> Result<Self, RenderError> {
-        let quality = &stage.quality;
-        let (field, component, filter) = match quality.filter {
-            Filter::BSpline { prefilter: true } => {
-                let coefficients = cache.coefficients(&volume.volume, volume.component)?;
-                (coefficients, 0, Filter::BSpline { prefilter: false })
+impl Grids {
+    fn new(tables: &Tables) -> Self {
+        let (mut skip, mut extremes) = (None, None);
+        if let Some(blocks) = &tables.blocks {
+            match &blocks.content {
+                BlockContent::Distances(distances) => skip = Some(SkipGrid::new(blocks, distances)),
+                BlockContent::Extremes(values) => extremes = Some(ExtremeGrid::new(blocks, values)),
             }
-            filter => (volume.volume.clone(), volume.component, filter),
-        };
-        let tf = &volume.transfer_function;
-        let range = DataRange::of(&volume.volume);
-        let ratio = stage.step / volume.unit_distance();
-        let table = Table::for_data(tf, &range)?;
-        let step_table = StepTable::new(&table, ratio as f32)?;
-        let composited = matches!(stage.mode(), Mode::Composite);
-        let preintegration = (composited && quality.classification == Classification::PreIntegrated)
-            .then(|| PreIntegration::for_data(tf, &range, ratio))
-            .transpose()?;
-        let visibility = match &preintegration {
-            Some(segments) => Visibility::of_segments(tf, segments.nodes()),
-            None => Visibility::of_table(&table),
-        };
-        let visible = |low, high| visibility.any_opacity(low, high);
-        let blocks = quality.empty_space_skipping.then(|| bounds(stage, volume, (&field, component, filter), cache));
-        let blocks = blocks.transpose()?.flatten();
-        let extremes = blocks.as_ref().and_then(|blocks| match stage.mode() {
-            Mode::Minimum | Mode::Slice(Slice { combine: Combine::Minimum, .. }) => {
-                Some(ExtremeGrid::new(blocks, true))
-            }
-            Mode::Maximum | Mode::Slice(Slice { combine: Combine::Maximum, .. }) => {
-                Some(ExtremeGrid::new(blocks, false))
-            }
-            _ => None,
-        });
-        let mut skip = blocks.as_ref().and_then(|blocks| match stage.mode() {
-            Mode::Composite | Mode::Additive | Mode::XRay => Some(SkipGrid::new(blocks, visible)),
-            Mode::Isosurface(isosurface) => {
-                let levels: Vec<f32> = isosurface.isovalues.iter().map(|iso| iso.value as f32).collect();
-                Some(SkipGrid::new(blocks, |low, high| levels.iter().any(|level| (low..=high).contains(level))))
-            }
-            Mode::Maximum | Mode::Minimum | Mode::Average | Mode::Slice(_) => None,
-        });
-        // Without blocks nothing is known of the data ahead.
-        let adaptive = composited && quality.classification == Classification::Post && quality.adaptive_tolerance > 0.0;
-        let mut stride_entries = None;
-        if let (true, Some(grid), Some(blocks)) = (adaptive, &mut skip, &blocks) {
-            let shortest = volume.volume.grid().spacing().into_iter().fold(f64::INFINITY, f64::min);
-            let step = stage.step / shortest;
-            grid.set_levels(stride::levels(blocks, &step_table, visible, quality.adaptive_tolerance, step));
-            let tables = stride::tables(&table, ratio as f32)?;
-            stride_entries = Some(tables.iter().flat_map(StepTable::entries).copied().collect());
         }
-        Ok(Self {
-            volume: volume.volume.clone(),
-            field,
-            component,
-            filter,
-            table,
-            step_table,
-            stride_entries,
-            preintegration,
-            skip,
-            extremes,
-        })
+        Self { skip, extremes }
     }
 }
 
@@ -175,6 +60,8 @@ pub struct Prepared<'s> {
     pub region: Region,
     /// What is looked up.
     pub tables: Arc<Tables>,
+    /// What is leapt over.
+    pub grids: Arc<Grids>,
 }
 
 impl<'s> Prepared<'s> {
@@ -189,7 +76,9 @@ impl<'s> Prepared<'s> {
         if !numbered {
             return Err(RenderError::Steps { found: steps, limit: MOST_STEPS });
         }
-        Ok(Self { stage, volume, region: stage.region(volume), tables: cache.tables(stage, volume)? })
+        let tables = cache.tables.tables(stage, volume)?;
+        let grids = cache.grids(&tables);
+        Ok(Self { stage, volume, region: stage.region(volume), tables, grids })
     }
 
     /// The grid all positions refer to.
@@ -200,26 +89,3 @@ impl<'s> Prepared<'s> {
 
 /// Steps are numbered in `f32`, which counts to here without a gap.
 const MOST_STEPS: u32 = 1 << 24;
-
-/// Blocks that bound every value that is classified; `None` if the filter leaves the range of its
-/// voxels too far for them to tell anything. Samples of a field are bounded by the numbers that its
-/// filter weighs; pre-classified samples blend colours of the volume's voxels, which are zero wherever
-/// the voxels' are, whatever the weights.
-fn bounds(
-    stage: &Stage,
-    volume: &StageVolume,
-    (field, component, filter): (&Arc<Volume>, usize, Filter),
-    cache: &mut Cache,
-) -> Result<Option<Arc<Blocks>>, FieldError> {
-    const FURTHEST: f64 = 4.0;
-    let reach = filter.half_width() - 1;
-    if matches!(stage.mode(), Mode::Composite) && stage.quality.classification == Classification::Pre {
-        return cache.blocks(&volume.volume, volume.component, reach).map(Some);
-    }
-    let overshoot = filter.overshoot();
-    if overshoot > FURTHEST {
-        return Ok(None);
-    }
-    let blocks = cache.blocks(field, component, reach)?;
-    Ok(Some(if overshoot > 0.0 { Arc::new(blocks.overshot(overshoot)) } else { blocks }))
-}

@@ -1,13 +1,14 @@
 //! The walk over the samples of rays, for modes that look at one value at a time.
 
+use pellucid_scene::SAMPLES_PER_LOOK;
+
 use crate::integrator::Counter;
 use crate::lanes::*;
 use crate::packet::Rays;
 use crate::skip::{Leap, Levels, SkipGrid};
 
-/// How many samples are taken between two looks at the blocks: asking at every border costs more
-/// than the samples it saves.
-pub const RUN: usize = 8;
+/// How many samples are taken between two looks at the blocks.
+pub const RUN: usize = SAMPLES_PER_LOOK;
 
 /// One sample in every lane.
 pub struct Sample<S: Lanes> {

@@ -3,7 +3,7 @@
 //! Leaps go from lattice sample to lattice sample and only over samples that add exactly nothing,
 //! so the picture is the same to the bit with skipping on and off.
 
-use pellucid_field::{Blocks, distances};
+use pellucid_scene::BlockMap;
 
 use crate::lanes::*;
 use crate::packet::Rays;
@@ -26,8 +26,8 @@ struct Met<S: Lanes> {
 }
 
 impl Layout {
-    fn new(blocks: &Blocks) -> Self {
-        let (dims, size) = (blocks.dims(), blocks.size());
+    fn new(blocks: &BlockMap) -> Self {
+        let (dims, size) = (blocks.dims, blocks.size);
         debug_assert!(size.is_power_of_two(), "or products with its inverse are rounded");
         Self { dims, size: size as f32, last: dims.map(|n| ((n * size) as f32).next_down()) }
     }
@@ -72,7 +72,7 @@ pub struct SkipGrid {
     levels: Option<Levels>,
 }
 
-/// The level of the stride that every block allows; see [`stride`](crate::stride).
+/// The level of the stride that every block allows.
 pub struct Levels {
     layout: Layout,
     /// With room to read a word at the last one.
@@ -92,24 +92,11 @@ impl Levels {
 }
 
 impl SkipGrid {
-    /// Blocks whose value range satisfies `live` can contribute; wholly absent ones never do.
-    pub fn new(blocks: &Blocks, live: impl Fn(f32, f32) -> bool) -> Self {
-        let ranges = blocks.ranges();
-        let mut distance = distances(blocks.dims(), |block| {
-            let range = ranges[block];
-            range != Blocks::ABSENT && {
-                let [low, high] = Blocks::interpolated(range);
-                live(low, high)
-            }
-        });
-        distance.extend([0; 3]);
-        Self { layout: Layout::new(blocks), distance, levels: None }
-    }
-
-    /// Allows longer strides where the levels of blocks do.
-    pub fn set_levels(&mut self, mut levels: Vec<u8>) {
-        levels.extend([0; 3]);
-        self.levels = Some(Levels { layout: self.layout, levels });
+    /// Blocks that are so many blocks away from one that can contribute.
+    pub fn new(blocks: &BlockMap, distances: &[u8]) -> Self {
+        let layout = Layout::new(blocks);
+        let levels = blocks.levels.as_deref().map(|levels| Levels { layout, levels: with_room(levels) });
+        Self { layout, distance: with_room(distances), levels }
     }
 
     /// The levels of strides, if they are not all 1 step.
@@ -157,6 +144,11 @@ impl SkipGrid {
     }
 }
 
+/// Bytes, with room to read a word at the last one.
+fn with_room(bytes: &[u8]) -> Vec<u8> {
+    [bytes, &[0; 3]].concat()
+}
+
 /// What is leapt over.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Leap {
@@ -178,16 +170,11 @@ pub struct ExtremeGrid {
 const REACHES: [f32; 4] = [1.0, 2.0, 3.0, 5.0];
 
 impl ExtremeGrid {
-    /// The largest values, or the smallest with their signs turned.
-    pub fn new(blocks: &Blocks, minimum: bool) -> Self {
-        let extreme = |&range: &[f32; 2]| {
-            let [low, high] = Blocks::interpolated(range);
-            if minimum { -low } else { high }
-        };
-        let one: Vec<f32> = blocks.ranges().iter().map(extreme).collect();
-        let two = spread(blocks.dims(), &one);
-        let three = spread(blocks.dims(), &two);
-        let five = spread(blocks.dims(), &spread(blocks.dims(), &three));
+    /// Of the largest values of blocks, or the smallest with their signs turned.
+    pub fn new(blocks: &BlockMap, one: &[f32]) -> Self {
+        let two = spread(blocks.dims, one);
+        let three = spread(blocks.dims, &two);
+        let five = spread(blocks.dims, &spread(blocks.dims, &three));
         let extremes = (0..one.len()).map(|b| [one[b], two[b], three[b], five[b]]).collect();
         Self { layout: Layout::new(blocks), extremes }
     }

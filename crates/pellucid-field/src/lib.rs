@@ -21,6 +21,7 @@ mod gradient;
 mod grid;
 mod histogram;
 mod joint_histogram;
+mod kernel;
 mod prefilter;
 mod pyramid;
 mod resample;
@@ -40,6 +41,7 @@ pub use gradient::{Gradient, SplineCell, index_gradient, normal, world_gradient}
 pub use grid::Grid;
 pub use histogram::Histogram;
 pub use joint_histogram::JointHistogram;
+pub use kernel::Kernel;
 pub use prefilter::spline_coefficients;
 pub use pyramid::{halve, pyramid};
 pub use resample::{resample, resample_dims};

@@ -9,8 +9,8 @@ use glam::DVec3;
 use pellucid_field::Grid;
 use pellucid_scene::{Mode, Stage};
 
-use crate::GpuError;
 use crate::texture::Part;
+use crate::{GpuError, kernels};
 
 /// A piece of a volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,8 +23,8 @@ pub struct Brick {
     pub place: [usize; 3],
 }
 
-/// Voxels beyond a brick's cells that its samples need: one for gradients, and for modes that look at
-/// segments their length (3.3-6).
+/// Voxels beyond a brick's cells that its samples need: those that filter and gradient reach for, and for
+/// modes that look at segments their length (3.3-6).
 pub fn border(stage: &Stage, grid: &Grid) -> usize {
     use pellucid_scene::Classification::PreIntegrated;
     let segments = match stage.mode() {
@@ -33,7 +33,7 @@ pub fn border(stage: &Stage, grid: &Grid) -> usize {
         _ => false,
     };
     let step = (stage.step / grid.smallest_spacing()).ceil() as usize;
-    1 + if segments { step } else { 0 }
+    kernels::reach(stage.quality.filter, stage.quality.gradient) + if segments { step } else { 0 }
 }
 
 /// Cuts a grid into bricks of at most `side` voxels per axis; if it has more than `bytes`, so that none

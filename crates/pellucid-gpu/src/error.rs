@@ -2,6 +2,7 @@
 
 use pellucid_field::FieldError;
 use pellucid_optics::OpticsError;
+use pellucid_scene::TableError;
 
 /// Why a device was not opened or a frame was not drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -100,4 +101,13 @@ pub enum GpuError {
     /// The field cannot be reconstructed as asked.
     #[error(transparent)]
     Field(#[from] FieldError),
+}
+
+impl From<TableError> for GpuError {
+    fn from(error: TableError) -> Self {
+        match error {
+            TableError::Optics(error) => Self::Optics(error),
+            TableError::Field(error) => Self::Field(error),
+        }
+    }
 }

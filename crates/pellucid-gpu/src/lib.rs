@@ -8,6 +8,7 @@
 mod bricks;
 mod device;
 mod error;
+mod kernels;
 mod optics;
 mod passes;
 mod pipelines;
@@ -21,6 +22,7 @@ mod targets;
 mod texture;
 mod timer;
 mod uniforms;
+mod uploads;
 mod wavefront;
 
 pub use device::{AdapterChoice, AdapterSummary, Capabilities, Ceiling, Device, adapters};

@@ -1,141 +1,67 @@
 //! The tables and blocks of a stage: the same numbers that the CPU backend looks up.
 
-use std::sync::Arc;
+use pellucid_optics::{ColorSpace, Nodes, TransferFunction};
+use pellucid_scene::{
+    BlockContent, BlockMap, Classification, Combine, Isosurface, Mode, Slice, Stage, StageVolume, Tables,
+};
 
-use pellucid_field::{Blocks, FieldError, Filter, Gradient, Volume, distances};
-use pellucid_optics::{ColorSpace, DataRange, Nodes, PreIntegration, StepTable, Table, TransferFunction, Visibility};
-use pellucid_scene::{Classification, Combine, Isosurface, Mode, Slice, Stage, StageVolume};
-
-use crate::GpuError;
 use crate::shaders::Pass;
 use crate::uniforms::Level;
 
 /// What a stage's mode needs.
-pub struct Optics {
+pub struct Optics<'a> {
     /// The pass that draws it.
     pub pass: Pass,
     /// Whether values have opacity 1.
     pub opaque: bool,
+    /// What is read between voxels, and how.
+    pub tables: &'a Tables,
     /// Linear RGB and opacity: per unit distance, per step or per segment, as the pass wants.
-    pub entries: Vec<[f32; 4]>,
+    pub entries: &'a [[f32; 4]],
     /// Where they are.
     pub nodes: Nodes,
     /// What blocks say, if any are skipped.
-    pub blocks: Option<BlockMap>,
+    pub blocks: Option<&'a BlockMap>,
     /// Isosurfaces.
     pub levels: Vec<Level>,
 }
 
-/// What rays ask of blocks, x fastest.
-pub struct BlockMap {
-    /// Blocks per axis.
-    pub dims: [usize; 3],
-    /// Cells per block and axis.
-    pub size: usize,
-    /// What is known of each.
-    pub content: BlockContent,
-}
-
-impl BlockMap {
-    /// Bytes of the texture.
-    pub fn bytes(&self) -> u64 {
-        match &self.content {
-            BlockContent::Distances(distances) => distances.len() as u64,
-            BlockContent::Extremes(extremes) => size_of_val(extremes.as_slice()) as u64,
-        }
-    }
-}
-
-/// What is known of blocks.
-pub enum BlockContent {
-    /// How many blocks away the next one is that can contribute.
-    Distances(Vec<u8>),
-    /// The largest value, or the smallest with its sign turned.
-    Extremes(Vec<f32>),
-}
-
-/// What depends on the data alone and is kept from stage to stage.
-#[derive(Default)]
-pub struct BlockCache(Option<(Arc<Volume>, usize, Arc<Blocks>)>);
-
-impl BlockCache {
-    /// Blocks of the usual size, or so large that they fit into a texture of `side` per axis.
-    fn blocks(&mut self, volume: &Arc<Volume>, component: usize, side: usize) -> Result<Arc<Blocks>, FieldError> {
-        match &self.0 {
-            Some((v, c, blocks)) if Arc::ptr_eq(v, volume) && *c == component => Ok(blocks.clone()),
-            _ => {
-                let cells = volume.grid().dims().into_iter().max().unwrap_or(1);
-                let size = Blocks::CELLS.max(cells.div_ceil(side).next_power_of_two());
-                let blocks = Arc::new(Blocks::new(volume, component, size, 0)?);
-                self.0 = Some((volume.clone(), component, blocks.clone()));
-                Ok(blocks)
-            }
-        }
-    }
-}
-
-impl Optics {
-    /// Makes the tables of a stage; textures have at most `side` texels per axis.
-    ///
-    /// # Errors
-    /// [`GpuError::Unsupported`] for a filter or gradient that this backend lacks, [`GpuError::Optics`]
-    /// if the data's range cannot be tabulated.
-    pub fn new(stage: &Stage, volume: &StageVolume, side: usize, cache: &mut BlockCache) -> Result<Self, GpuError> {
-        let quality = &stage.quality;
-        if quality.filter != Filter::Linear {
-            return Err(GpuError::Unsupported { what: "filter but linear".to_owned() });
-        }
-        let lit = volume.material.is_some() && lights(stage.mode());
-        if lit && quality.gradient != Gradient::Central {
-            return Err(GpuError::Unsupported { what: "gradient but central differences".to_owned() });
-        }
+impl<'a> Optics<'a> {
+    /// What a stage's pass wants of its tables.
+    pub fn new(stage: &Stage, volume: &StageVolume, tables: &'a Tables) -> Self {
         let (pass, opaque) = pass_of(stage);
-        let tf = &volume.transfer_function;
-        let range = DataRange::of(&volume.volume);
-        let ratio = stage.step / volume.unit_distance();
-        let table = Table::for_data(tf, &range)?;
-        let mut visibility = Visibility::of_table(&table);
-        let (entries, nodes) = match pass {
-            Pass::Composite | Pass::CompositePre | Pass::XRay => {
-                let steps = StepTable::new(&table, ratio as f32)?;
-                (steps.entries().to_vec(), *steps.nodes())
+        let (entries, nodes) = match (pass, &tables.preintegration, &tables.stride_entries) {
+            (Pass::PreIntegrated, Some(segments), _) => (segments.entries(), segments.nodes()),
+            (Pass::Composite, _, Some(strides)) => (strides.as_slice(), tables.step_table.nodes()),
+            (Pass::Composite | Pass::CompositePre | Pass::XRay, ..) => {
+                (tables.step_table.entries(), tables.step_table.nodes())
             }
-            Pass::PreIntegrated => {
-                let segments = PreIntegration::for_data(tf, &range, ratio)?;
-                visibility = Visibility::of_segments(tf, segments.nodes());
-                (segments.entries().to_vec(), *segments.nodes())
-            }
-            _ => (table.entries().to_vec(), *table.nodes()),
+            _ => (tables.table.entries(), tables.table.nodes()),
         };
         let levels = match stage.mode() {
-            Mode::Isosurface(surfaces) => levels(surfaces, tf),
+            Mode::Isosurface(surfaces) => levels(surfaces, &volume.transfer_function),
             _ => Vec::new(),
         };
-        let blocks =
-            quality.empty_space_skipping.then(|| cache.blocks(&volume.volume, volume.component, side)).transpose()?;
-        let blocks = blocks.and_then(|blocks| {
-            let live = |[low, high]: [f32; 2]| match pass {
-                Pass::Isosurface => levels.iter().any(|level| (low..=high).contains(&level.value[0])),
-                _ => visibility.any_opacity(low, high),
-            };
-            let content = match pass {
-                Pass::Maximum | Pass::Minimum => BlockContent::Extremes(extremes(&blocks, pass == Pass::Minimum)),
-                Pass::Average | Pass::Slice => return None,
-                _ => BlockContent::Distances(distances(blocks.dims(), |block| {
-                    let range = blocks.ranges()[block];
-                    range != Blocks::ABSENT && live(Blocks::interpolated(range))
-                })),
-            };
-            Some(BlockMap { dims: blocks.dims(), size: blocks.size(), content })
-        });
-        Ok(Self { pass, opaque, entries, nodes, blocks, levels })
+        Self { pass, opaque, tables, entries, nodes: *nodes, blocks: tables.blocks.as_ref(), levels }
     }
 }
 
-impl Optics {
-    /// Bytes of the tables.
-    pub fn bytes(&self) -> u64 {
-        (size_of_val(self.entries.as_slice()) + size_of_val(self.levels.as_slice())) as u64
+impl Optics<'_> {
+    /// Bytes of the tables on the device.
+    pub fn table_bytes(&self) -> u64 {
+        (size_of_val(self.entries) + size_of_val(self.levels.as_slice())) as u64
+    }
+
+    /// Bytes of the map of blocks on the device.
+    pub fn block_bytes(&self) -> u64 {
+        self.blocks.map_or(0, |map| {
+            let each = match map.content {
+                BlockContent::Distances(_) if map.levels.is_none() => 1,
+                BlockContent::Distances(_) => 2,
+                BlockContent::Extremes(_) => 4,
+            };
+            map.dims.iter().product::<usize>() as u64 * each
+        })
     }
 }
 
@@ -173,13 +99,4 @@ fn levels(surfaces: &Isosurface, tf: &TransferFunction) -> Vec<Level> {
         Level { color: [r, g, b, iso.opacity], value: [iso.value as f32, 0.0, 0.0, 0.0] }
     };
     surfaces.isovalues.iter().map(level).collect()
-}
-
-/// The largest values of blocks, or the smallest with their signs turned; below all where there is none.
-fn extremes(blocks: &Blocks, minimum: bool) -> Vec<f32> {
-    let extreme = |&range: &[f32; 2]| {
-        let [low, high] = Blocks::interpolated(range);
-        (if minimum { -low } else { high }).max(f32::MIN)
-    };
-    blocks.ranges().iter().map(extreme).collect()
 }

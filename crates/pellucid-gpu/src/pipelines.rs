@@ -117,6 +117,12 @@ fn volume_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
     if variant.hardware {
         types.push((1, BindingType::Sampler(SamplerBindingType::Filtering)));
     }
+    if variant.kernels {
+        types.push((3, buffer(BufferBindingType::Uniform, None)));
+    }
+    if variant.has_voxels() {
+        types.push((4, texture(TextureSampleType::Float { filterable: false })));
+    }
     layout(device, "volume", &types)
 }
 

@@ -6,9 +6,9 @@ use pellucid_scene::{Stage, StageVolume};
 
 use crate::bricks::{self, Brick};
 use crate::optics::Optics;
+use crate::resident::Source;
 use crate::staging::Staging;
 use crate::targets::Targets;
-use crate::texture::Encoding;
 use crate::{Device, GpuError};
 
 /// The memory of a frame, in bytes, and what had to be done to make it fit.
@@ -50,35 +50,39 @@ impl MemoryPlan {
         budget: u64,
         stage: &Stage,
         volume: &StageVolume,
-        encoding: &Encoding,
+        sources: &[Source],
         optics: &Optics,
     ) -> Result<(Self, Vec<Brick>), GpuError> {
         let (width, height) = (stage.viewpoint.width as u64, stage.viewpoint.height as u64);
-        let tables = optics.bytes() + 4 * (pellucid_scene::BLUE_NOISE_TILE as u64).pow(2);
-        let blocks = optics.blocks.as_ref().map_or(0, |blocks| blocks.bytes());
+        let tables = optics.table_bytes() + 4 * (pellucid_scene::BLUE_NOISE_TILE as u64).pow(2);
+        let blocks = optics.block_bytes();
+        let voxel_bytes: usize = sources.iter().map(|source| source.encoding.bytes).sum();
         let row = width * Targets::PIXEL_BYTES;
         let dims = volume.volume.grid().dims();
         let advice = "allow more memory or draw a narrower picture";
-        let fixed = tables + blocks + row + Staging::least(dims, encoding);
+        let fixed = tables
+            + blocks
+            + row
+            + sources.iter().map(|source| Staging::least(dims, &source.encoding)).max().unwrap_or(0);
         let Some(free) = budget.checked_sub(fixed) else {
             let what = "a row of the picture with the tables, without any voxels,".to_owned();
             return Err(GpuError::Budget { what, needed: fixed, budget, advice });
         };
         // One row is paid for; more of them and larger buffers make it faster.
         let wanted = (Self::MOST_PIXELS / width).clamp(1, height);
-        let whole = dims.iter().map(|&n| n as u64).product::<u64>() * encoding.bytes as u64;
+        let whole = dims.iter().map(|&n| n as u64).product::<u64>() * voxel_bytes as u64;
         let roomy = (wanted - 1) * row + Staging::WANTED;
         let side = device.capabilities.limits.max_texture_dimension_3d as usize;
         let border = bricks::border(stage, volume.volume.grid());
         let bytes_of =
-            |brick: &Brick| brick.voxels.dims().map(|n| n as u64).iter().product::<u64>() * encoding.bytes as u64;
+            |brick: &Brick| brick.voxels.dims().map(|n| n as u64).iter().product::<u64>() * voxel_bytes as u64;
         let (extra, room) = if whole <= free.saturating_sub(roomy) {
             (wanted - 1, free - roomy)
         } else {
             let rows = (free / 4 / row).min(wanted - 1);
             (rows, free - rows * row - (free / 8).min(Staging::WANTED))
         };
-        let cut = |most| bricks::cut(dims, border, side, encoding.bytes, most);
+        let cut = |most| bricks::cut(dims, border, side, voxel_bytes, most);
         let mut pieces = cut(1 << 62)?;
         let mut loaded = pieces.len();
         let mut voxels = pieces.iter().map(bytes_of).sum::<u64>();

@@ -2,22 +2,28 @@
 
 use std::time::{Duration, Instant};
 
-use bytemuck::{Pod, bytes_of, cast_slice};
-use pellucid_scene::{BLUE_NOISE_TILE, Control, Frame as Picture, Stage, StageVolume, blue_noise};
+use bytemuck::{bytes_of, cast_slice};
+use pellucid_field::{Filter, Gradient};
+use pellucid_scene::{Control, Frame as Picture, Stage, StageVolume};
 use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindingResource, Buffer, BufferBinding,
-    BufferUsages, CommandEncoder, CommandEncoderDescriptor, ComputePassDescriptor, ComputePipeline, FilterMode,
-    Sampler, SamplerDescriptor, TextureFormat, TextureView,
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferUsages, CommandEncoder,
+    CommandEncoderDescriptor, ComputePassDescriptor, ComputePassTimestampWrites, ComputePipeline, FilterMode, Sampler,
+    SamplerDescriptor, TextureView,
 };
 
 use crate::bricks::{self, Brick};
-use crate::optics::{BlockContent, BlockMap, Optics, lights};
-use crate::pipelines::Pipelines;
+use crate::kernels::Kernels;
+use crate::optics::{Optics, lights};
+use crate::passes::PassBuffer;
+use crate::pipelines::{Pipeline, Pipelines};
+use crate::renderer::{Drawing, Interpolation, Passes};
 use crate::resident::Resident;
 use crate::shaders::{Pass, Variant};
 use crate::targets::Targets;
-use crate::texture;
+use crate::timer::Timer;
 use crate::uniforms::{self, Frame, Light};
+use crate::uploads::{Uploads, storage};
+use crate::wavefront::{Front, Pace};
 use crate::{Device, GpuError};
 
 /// How long the commands of a submission may take: short enough to be cancelled in time, and far from
@@ -28,7 +34,7 @@ const SUBMISSION: Duration = Duration::from_millis(25);
 const MOST_PASSES: usize = 256;
 
 /// How much is drawn at once, learnt from frame to frame.
-pub struct Bands {
+struct Bands {
     /// Seconds that a ray took in the slowest band of the last frame.
     last: f64,
     /// The same of this frame so far.
@@ -57,26 +63,47 @@ impl Bands {
     }
 }
 
+/// What is used again from frame to frame.
+pub struct Reused {
+    bands: Bands,
+    targets: Option<Targets>,
+    timer: Option<Timer>,
+    pace: Pace,
+}
+
+impl Reused {
+    /// Nothing yet, on a device.
+    pub fn new(device: &Device) -> Self {
+        Self { bands: Bands::default(), targets: None, timer: Timer::new(device), pace: Pace::default() }
+    }
+}
+
+/// Rows of the picture.
+#[derive(Clone, Copy)]
+struct Band {
+    row: u32,
+    rows: u32,
+}
+
 /// Everything on the device that one frame is drawn with.
 pub struct RayCaster<'a> {
     device: &'a Device,
     resident: &'a mut Resident,
     stage: &'a Stage,
+    uploads: &'a Uploads,
     bricks: Vec<Brick>,
-    march: ComputePipeline,
-    resolve: ComputePipeline,
-    frame_layout: BindGroupLayout,
-    volume_layout: BindGroupLayout,
+    march: Pipeline,
+    resolve: Pipeline,
     table: BindGroup,
-    blocks: TextureView,
+    kernels: Option<Buffer>,
     /// If the texture unit interpolates.
     sampler: Option<Sampler>,
-    /// Frame, planes, noise, lights, levels.
-    parts: [Buffer; 5],
+    /// Frame, planes, lights.
+    parts: [Buffer; 3],
 }
 
 impl<'a> RayCaster<'a> {
-    /// Makes pipelines and tables.
+    /// Makes pipelines and what changes with the camera.
     ///
     /// # Errors
     /// What the device reports.
@@ -84,49 +111,50 @@ impl<'a> RayCaster<'a> {
         device: &'a Device,
         pipelines: &mut Pipelines,
         resident: &'a mut Resident,
-        stage: &'a Stage,
-        volume: &StageVolume,
-        optics: &Optics,
-        hardware: bool,
+        (stage, volume): (&'a Stage, &StageVolume),
+        (optics, uploads): (&Optics, &'a Uploads),
+        Drawing { interpolation, passes }: Drawing,
     ) -> Result<Self, GpuError> {
         let grid = volume.volume.grid();
         let region = stage.region(volume);
+        let (filter, gradient) = (optics.tables.filter, stage.quality.gradient);
+        let encoding = resident.field().encoding;
         let variant = Variant {
             pass: optics.pass,
-            hardware: hardware && resident.encoding.filterable,
-            holes: resident.encoding.holes,
+            hardware: interpolation == Interpolation::Hardware && encoding.filterable && filter == Filter::Linear,
+            holes: encoding.holes,
             bricks: !resident.is_whole(),
             skip: optics.blocks.is_some(),
             shaded: volume.material.is_some() && lights(stage.mode()),
             weighted: volume.gradient_weight.is_some(),
             opaque: optics.opaque,
+            wavefront: passes == Passes::Wavefront,
+            kernels: filter != Filter::Linear || (gradient != Gradient::Central && lights(stage.mode())),
+            strides: optics.blocks.is_some_and(|blocks| blocks.levels.is_some()),
         }
         .canonical();
         let mut frame = Frame::new(stage, volume, &region);
-        frame.set_values(resident.encoding.data(&volume.volume));
+        frame.set_values(resident.field().data());
         frame.set_nodes(&optics.nodes);
-        if let Some(blocks) = &optics.blocks {
+        if let Some(blocks) = optics.blocks {
             frame.set_blocks(blocks.dims, blocks.size);
         }
         let lights: Vec<Light> = stage.lights.iter().map(Light::from).collect();
-        let noise: Vec<f32> = (0..BLUE_NOISE_TILE * BLUE_NOISE_TILE)
-            .map(|cell| blue_noise(cell % BLUE_NOISE_TILE, cell / BLUE_NOISE_TILE, 0) as f32)
-            .collect();
         let parts = [
             device.buffer("frame", bytes_of(&frame), BufferUsages::UNIFORM),
             storage(device, "planes", &uniforms::planes(&region, grid)),
-            storage(device, "noise", &noise),
             storage(device, "lights", &lights),
-            storage(device, "levels", &optics.levels),
         ];
-        let blocks = block_texture(device, optics.blocks.as_ref(), optics.pass.compares_extremes());
-        let resolve = pipelines.get(device, Variant::of(Pass::Resolve))?.pipeline.clone();
-        let march = pipelines.get(device, variant)?;
-        let entries = storage(device, "table", &optics.entries);
+        let kernels = variant.kernels.then(|| {
+            let kernels = Kernels::new(filter, gradient, resident.voxels().data()).to_fours();
+            device.buffer("kernels", cast_slice(&kernels), BufferUsages::UNIFORM)
+        });
+        let resolve = pipelines.get(device, Variant::of(Pass::Resolve))?.clone();
+        let march = pipelines.get(device, variant)?.clone();
         let table = device.device.create_bind_group(&BindGroupDescriptor {
             label: Some("tables"),
             layout: &march.groups[2],
-            entries: &[BindGroupEntry { binding: 0, resource: entries.as_entire_binding() }],
+            entries: &[BindGroupEntry { binding: 0, resource: uploads.entries.as_entire_binding() }],
         });
         let mut bricks = resident.bricks.clone();
         bricks::sort(&mut bricks, stage, grid);
@@ -134,13 +162,12 @@ impl<'a> RayCaster<'a> {
             device,
             resident,
             stage,
+            uploads,
             bricks,
-            march: march.pipeline.clone(),
+            march,
             resolve,
-            frame_layout: march.groups[0].clone(),
-            volume_layout: march.groups[1].clone(),
             table,
-            blocks,
+            kernels,
             sampler: variant.hardware.then(|| sampler(device)),
             parts,
         })
@@ -150,42 +177,53 @@ impl<'a> RayCaster<'a> {
     ///
     /// # Errors
     /// [`GpuError::Cancelled`], or what the device reports.
-    pub fn draw(&mut self, bands: &mut Bands, control: &Control, picture: &mut Picture) -> Result<(), GpuError> {
+    pub fn draw(&mut self, reused: &mut Reused, control: &Control, picture: &mut Picture) -> Result<(), GpuError> {
         let (width, height) = (picture.width as u32, picture.height as u32);
         let rays = u64::from(width) * u64::from(self.stage.quality.supersampling.pow(2));
-        let mut targets: Option<Targets> = None;
+        let wavefront = self.march.variant.wavefront;
+        let mut busy = reused.timer.as_ref().filter(|_| !wavefront && self.resident.is_complete()).map(|_| 0.0);
         let mut row = 0;
         while row < height {
             let most = self.resident.plan.rows.min(height - row);
-            // Bricks that come and go are drawn one by one anyway, and for as many rows as there can be.
-            let wanted = if self.resident.is_complete() { (bands.rays() / rays) as u32 } else { most };
+            // Bricks that come and go are drawn one by one anyway, and for as many rows as there can be; a
+            // wavefront is as wide as there is room.
+            let learnt = self.resident.is_complete() && !wavefront;
+            let wanted = if learnt { (reused.bands.rays() / rays) as u32 } else { most };
             let rows = wanted.max(8).next_multiple_of(8).min(most);
-            if targets.as_ref().is_none_or(|targets| !targets.fits(rows)) {
-                // The old ones go first.
-                drop(targets.take());
+            // The old ones go first.
+            reused.targets.take_if(|targets| !targets.fits(width, rows));
+            let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, width, rows));
+            let band = Band { row, rows };
+            if wavefront {
+                self.draw_wavefront(targets, &mut reused.pace, band, control)?;
+            } else {
+                let timer = reused.timer.as_ref();
+                let seconds = self.draw_band(targets, timer, band, &mut reused.bands, control)?;
+                busy = busy.zip(seconds).map(|(busy, seconds)| busy + seconds);
             }
-            let targets = targets.get_or_insert_with(|| Targets::new(self.device, width, rows));
-            self.draw_band(targets, (row, rows, width), bands, control)?;
             targets.read(self.device, row, rows, picture)?;
             row += rows;
             control.report(f64::from(row) / f64::from(height));
         }
-        bands.end_frame();
+        reused.bands.end_frame();
+        picture.statistics.device_seconds = busy;
         Ok(())
     }
 
     /// Draws rows: for every ray of a pixel one brick after the other, in submissions of bounded length.
+    /// Returns the seconds that the device worked, if it tells.
     fn draw_band(
         &mut self,
         targets: &Targets,
-        (row, rows, width): (u32, u32, u32),
+        timer: Option<&Timer>,
+        band: Band,
         bands: &mut Bands,
         control: &Control,
-    ) -> Result<(), GpuError> {
-        let align = u64::from(self.device.capabilities.limits.min_uniform_buffer_offset_alignment);
-        let stride = (size_of::<uniforms::Pass>() as u64).next_multiple_of(align) as usize;
-        let (pixels, bricks) = (u64::from(width) * u64::from(rows), self.bricks.len());
+    ) -> Result<Option<f64>, GpuError> {
+        let (pixels, bricks) = (u64::from(targets.width) * u64::from(band.rows), self.bricks.len());
         let turns = bricks * self.stage.quality.supersampling.pow(2) as usize;
+        let size = [targets.width, band.rows];
+        let mut busy = Some(0.0);
         let mut turn = 0;
         while turn < turns {
             if control.is_cancelled() {
@@ -198,50 +236,52 @@ impl<'a> RayCaster<'a> {
             };
             let first = turn;
             turn = turns.min(turn + together);
-            let mut passes = vec![0; stride * (turn - first)];
-            for (turn, place) in (first..turn).zip(passes.chunks_mut(stride)) {
-                place[..size_of::<uniforms::Pass>()].copy_from_slice(bytes_of(&self.pass(turn, row, rows)));
-            }
-            let passes = self.device.buffer("passes", &passes, BufferUsages::UNIFORM);
-            let frame = self.frame_group(targets, &passes);
+            let passes = PassBuffer::new(self.device, (first..turn).map(|turn| self.pass(turn, band)));
+            let march = self.frame_group(&self.march, targets, &passes, None);
+            let resolve = self.frame_group(&self.resolve, targets, &passes, None);
             let mut views = Vec::with_capacity(turn - first);
             for turn in first..turn {
                 let brick = self.bricks[turn % bricks];
-                views.push(self.resident.texture(self.device, &brick, control)?);
+                views.push(self.resident.textures(self.device, &brick, control)?);
             }
             if self.resident.is_complete() {
                 // Uploads are not what is measured.
                 self.device.wait()?;
             }
+            let timer = timer.filter(|_| self.resident.is_complete());
+            let writes = |first, last| timer.and_then(|timer| timer.writes(first, last));
             let started = Instant::now();
             let mut encoder = self.encoder();
             for (number, view) in views.iter().enumerate() {
-                let offset = (number * stride) as u32;
                 let volume = self.volume_group(view);
-                let groups = [&frame, &volume, &self.table];
-                dispatch(&mut encoder, &self.march, &groups, offset, width, rows);
+                let (offset, begins) = (passes.offset(number), writes(number == 0, number + 1 == views.len()));
+                dispatch(&mut encoder, &self.march.pipeline, &[&march, &volume, &self.table], offset, size, begins);
                 if (first + number + 1) % bricks == 0 {
-                    dispatch(&mut encoder, &self.resolve, &groups, offset, width, rows);
+                    dispatch(&mut encoder, &self.resolve.pipeline, &[&resolve], offset, size, None);
                 }
             }
             if turn == turns {
-                targets.copy(&mut encoder, rows);
+                targets.copy(&mut encoder, band.rows);
+            }
+            if let Some(timer) = timer {
+                timer.copy(&mut encoder);
             }
             let submission = self.device.queue.submit([encoder.finish()]);
             if self.resident.is_complete() {
                 self.device.wait()?;
                 bands.learn(pixels * (turn - first).div_ceil(bricks) as u64, started.elapsed());
+                busy = busy.zip(timer.and_then(Timer::seconds)).map(|(busy, seconds)| busy + seconds);
             } else {
                 // Meanwhile the next brick may come.
                 self.resident.used(submission);
                 self.device.check()?;
             }
         }
-        Ok(())
+        Ok(busy.filter(|_| self.resident.is_complete()))
     }
 
     /// What a turn draws: a brick for one of the rays of the pixels.
-    fn pass(&self, turn: usize, row: u32, rows: u32) -> uniforms::Pass {
+    fn pass(&self, turn: usize, Band { row, rows }: Band) -> uniforms::Pass {
         let (sub, number) = (turn / self.bricks.len(), turn % self.bricks.len());
         let brick = &self.bricks[number];
         let four = |[x, y, z]: [usize; 3], w| [x as u32, y as u32, z as u32, w];
@@ -253,65 +293,110 @@ impl<'a> RayCaster<'a> {
         }
     }
 
+    /// Follows all rays for a while, then those that are not done, until there is none: every submission
+    /// is short, whatever the rays meet, and no invocation is spent on a ray that has ended (7.4-1).
+    fn draw_wavefront(
+        &mut self,
+        targets: &Targets,
+        pace: &mut Pace,
+        band: Band,
+        control: &Control,
+    ) -> Result<(), GpuError> {
+        let Band { row, rows } = band;
+        let rays = self.stage.quality.supersampling.pow(2);
+        let capacity = targets.width * rows;
+        let front = Front::new(self.device, capacity);
+        let view = self.resident.textures(self.device, &self.bricks[0], control)?;
+        let volume = self.volume_group(&view);
+        for sub in 0..rays {
+            // Rays that go on, once there has been a pass.
+            let mut left = None;
+            let mut list = 0;
+            while left != Some(0) {
+                if control.is_cancelled() {
+                    return Err(GpuError::Cancelled);
+                }
+                let pass = uniforms::Pass {
+                    rows: [row, rows, sub, pace.looks()],
+                    texture_low: [0, 0, 0, u32::from(left.is_none())],
+                    core_low: [0, 0, 0, list],
+                    core_high: [0, 0, 0, capacity],
+                };
+                let passes = PassBuffer::new(self.device, [pass]);
+                let group = self.frame_group(&self.march, targets, &passes, Some(&front));
+                let mut encoder = self.encoder();
+                front.clear(&mut encoder, 1 - list);
+                // Lists are read by workgroups in one row.
+                let size = left.map_or([targets.width, rows], |rays: u32| [rays.div_ceil(8), 1]);
+                let started = Instant::now();
+                dispatch(&mut encoder, &self.march.pipeline, &[&group, &volume, &self.table], 0, size, None);
+                left = Some(front.count(self.device, encoder, 1 - list)?);
+                pace.learn(started.elapsed());
+                list = 1 - list;
+            }
+            let pass = uniforms::Pass { rows: [row, rows, sub, 0], ..uniforms::Pass::default() };
+            let passes = PassBuffer::new(self.device, [pass]);
+            let group = self.frame_group(&self.resolve, targets, &passes, None);
+            let mut encoder = self.encoder();
+            dispatch(&mut encoder, &self.resolve.pipeline, &[&group], 0, [targets.width, rows], None);
+            if sub + 1 == rays {
+                targets.copy(&mut encoder, rows);
+            }
+            self.device.queue.submit([encoder.finish()]);
+        }
+        Ok(())
+    }
+
     fn encoder(&self) -> CommandEncoder {
         self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("rays") })
     }
 
-    fn frame_group(&self, targets: &Targets, passes: &Buffer) -> BindGroup {
-        let [frame, planes, noise, lights, levels] = &self.parts;
-        let size = std::num::NonZeroU64::new(size_of::<uniforms::Pass>() as u64);
-        let pass = BindingResource::Buffer(BufferBinding { buffer: passes, offset: 0, size });
-        let buffers = [(2, planes), (3, noise), (4, lights), (5, &targets.states), (6, levels), (7, &targets.pixels)];
-        let mut entries = vec![
-            BindGroupEntry { binding: 0, resource: frame.as_entire_binding() },
-            BindGroupEntry { binding: 1, resource: pass },
-        ];
-        entries
-            .extend(buffers.map(|(binding, buffer)| BindGroupEntry { binding, resource: buffer.as_entire_binding() }));
+    /// What a pipeline is told of the frame, its passes and its targets.
+    fn frame_group(
+        &self,
+        pipeline: &Pipeline,
+        targets: &Targets,
+        passes: &PassBuffer,
+        front: Option<&Front>,
+    ) -> BindGroup {
+        let [frame, planes, lights] = &self.parts;
+        let Uploads { noise, levels, .. } = self.uploads;
+        let mut buffers = vec![(0, frame), (2, planes), (3, noise), (4, lights), (5, &targets.states), (6, levels)];
+        match pipeline.variant.pass {
+            Pass::Resolve => buffers.push((7, &targets.pixels)),
+            _ => buffers.extend(front.map(|front| (8, front.lists()))),
+        }
+        let mut entries = vec![BindGroupEntry { binding: 1, resource: passes.binding() }];
+        for (binding, buffer) in buffers {
+            entries.push(BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+        }
         self.device.device.create_bind_group(&BindGroupDescriptor {
             label: Some("frame"),
-            layout: &self.frame_layout,
+            layout: &pipeline.groups[0],
             entries: &entries,
         })
     }
 
-    fn volume_group(&self, volume: &TextureView) -> BindGroup {
+    fn volume_group(&self, [field, voxels]: &[TextureView; 2]) -> BindGroup {
         let mut entries = vec![
-            BindGroupEntry { binding: 0, resource: BindingResource::TextureView(volume) },
-            BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&self.blocks) },
+            BindGroupEntry { binding: 0, resource: BindingResource::TextureView(field) },
+            BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&self.uploads.blocks) },
         ];
         if let Some(sampler) = &self.sampler {
             entries.push(BindGroupEntry { binding: 1, resource: BindingResource::Sampler(sampler) });
         }
+        if let Some(kernels) = &self.kernels {
+            entries.push(BindGroupEntry { binding: 3, resource: kernels.as_entire_binding() });
+        }
+        if self.march.variant.has_voxels() {
+            entries.push(BindGroupEntry { binding: 4, resource: BindingResource::TextureView(voxels) });
+        }
         self.device.device.create_bind_group(&BindGroupDescriptor {
             label: Some("volume"),
-            layout: &self.volume_layout,
+            layout: &self.march.groups[1],
             entries: &entries,
         })
     }
-}
-
-fn dispatch(
-    encoder: &mut CommandEncoder,
-    pipeline: &ComputePipeline,
-    groups: &[&BindGroup; 3],
-    offset: u32,
-    width: u32,
-    rows: u32,
-) {
-    let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor { label: None, timestamp_writes: None });
-    pass.set_pipeline(pipeline);
-    pass.set_bind_group(0, groups[0], &[offset]);
-    pass.set_bind_group(1, groups[1], &[]);
-    pass.set_bind_group(2, groups[2], &[]);
-    pass.dispatch_workgroups(width.div_ceil(8), rows.div_ceil(8), 1);
-}
-
-/// A buffer that shaders read; never empty, as bindings cannot be.
-fn storage<T: Pod>(device: &Device, label: &str, content: &[T]) -> Buffer {
-    let nothing = [0u8; 64];
-    let contents = if content.is_empty() { &nothing } else { cast_slice(content) };
-    device.buffer(label, contents, BufferUsages::STORAGE)
 }
 
 fn sampler(device: &Device) -> Sampler {
@@ -322,14 +407,20 @@ fn sampler(device: &Device) -> Sampler {
     })
 }
 
-/// The blocks as a texture; a single one where none is asked.
-fn block_texture(device: &Device, blocks: Option<&BlockMap>, extremes: bool) -> TextureView {
-    let format = if extremes { TextureFormat::R32Float } else { TextureFormat::R8Uint };
-    let (dims, bytes): ([usize; 3], &[u8]) = match blocks {
-        None => ([1; 3], &[0; 4]),
-        Some(BlockMap { dims, content: BlockContent::Distances(distances), .. }) => (*dims, distances),
-        Some(BlockMap { dims, content: BlockContent::Extremes(extremes), .. }) => (*dims, cast_slice(extremes)),
-    };
-    let texture = texture::of_bytes(device, "blocks", format, dims, bytes);
-    texture.create_view(&Default::default())
+fn dispatch(
+    encoder: &mut CommandEncoder,
+    pipeline: &ComputePipeline,
+    groups: &[&BindGroup],
+    offset: u32,
+    [width, rows]: [u32; 2],
+    timestamp_writes: Option<ComputePassTimestampWrites>,
+) {
+    let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor { label: None, timestamp_writes });
+    pass.set_pipeline(pipeline);
+    for (number, group) in groups.iter().enumerate() {
+        // The first group has the passes, of which one is chosen.
+        let offsets: &[u32] = if number == 0 { &[offset] } else { &[] };
+        pass.set_bind_group(number as u32, *group, offsets);
+    }
+    pass.dispatch_workgroups(width.div_ceil(8), rows.div_ceil(8), 1);
 }

@@ -5,15 +5,16 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pellucid_field::Volume;
-use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, StageVolume};
+use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, StageVolume, TableCache, Tables};
 
 use crate::bricks::Brick;
 use crate::device::Device;
-use crate::optics::{BlockCache, Optics};
+use crate::optics::Optics;
 use crate::pipelines::Pipelines;
-use crate::ray_cast::{Bands, RayCaster};
-use crate::resident::Resident;
+use crate::ray_cast::{RayCaster, Reused};
+use crate::resident::{Resident, Source};
 use crate::texture::{Encoding, Part};
+use crate::uploads::Uploads;
 use crate::{AdapterChoice, Ceiling, GpuError, MemoryPlan};
 
 /// How the field is interpolated between voxels.
@@ -36,14 +37,35 @@ impl fmt::Display for Interpolation {
     }
 }
 
+/// How the work of a frame is handed to the device.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Passes {
+    /// Every ray from its entry to its end at once (7.2), in bands of the picture that take a few
+    /// hundredths of a second.
+    #[default]
+    Single,
+    /// All rays for a while, then those that are not done (7.4): the picture is the same to the bit, no
+    /// submission is long whatever rays meet, and rays that have ended cost nothing. Volumes in bricks
+    /// are drawn brick by brick instead.
+    Wavefront,
+}
+
+/// How frames are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Drawing {
+    pub interpolation: Interpolation,
+    pub passes: Passes,
+}
+
 /// The GPU backend. Keep one for several frames: the volume stays on the device, and so do pipelines.
 pub struct GpuRenderer {
     device: Device,
-    interpolation: Interpolation,
+    drawing: Drawing,
     pipelines: Pipelines,
-    blocks: BlockCache,
+    tables: TableCache,
+    uploads: Option<Uploads>,
     resident: Option<Resident>,
-    bands: Bands,
+    reused: Reused,
     /// Most bytes to use: the device's, or less once it had no more.
     budget: u64,
     /// Drawn into, so that a frame is finished or what it was before.
@@ -63,25 +85,32 @@ impl GpuRenderer {
     pub fn on(device: Device) -> Self {
         Self {
             budget: device.capabilities.memory,
+            tables: TableCache::with_most_blocks(device.capabilities.limits.max_texture_dimension_3d as usize),
+            reused: Reused::new(&device),
             device,
-            interpolation: Interpolation::default(),
+            drawing: Drawing::default(),
             pipelines: Pipelines::default(),
-            blocks: BlockCache::default(),
+            uploads: None,
             resident: None,
-            bands: Bands::default(),
             next: Frame::default(),
         }
     }
 
     /// The same renderer with another interpolation.
     pub fn with_interpolation(mut self, interpolation: Interpolation) -> Self {
-        self.interpolation = interpolation;
+        self.drawing.interpolation = interpolation;
+        self
+    }
+
+    /// The same renderer with its work in other portions.
+    pub fn with_passes(mut self, passes: Passes) -> Self {
+        self.drawing.passes = passes;
         self
     }
 
     /// How the field is interpolated, if its format allows it.
     pub fn interpolation(&self) -> Interpolation {
-        self.interpolation
+        self.drawing.interpolation
     }
 
     /// The device it draws with.
@@ -167,29 +196,36 @@ impl GpuRenderer {
             return Err(GpuError::Volumes { found: stage.volumes.len() });
         };
         check_steps(stage, volume)?;
-        let capabilities = &self.device.capabilities;
-        let side = capabilities.limits.max_texture_dimension_3d as usize;
-        let optics = Optics::new(stage, volume, side, &mut self.blocks)?;
-        let encoding = Encoding::of(&volume.volume, capabilities);
-        let (plan, bricks) = MemoryPlan::new(&self.device, self.budget, stage, volume, &encoding, &optics)?;
-        Ok(Prepared { volume, optics, encoding, plan, bricks })
+        let tables = self.tables.tables(stage, volume)?;
+        let sources = Source::of(&self.device, volume, &tables, stage);
+        let optics = Optics::new(stage, volume, &tables);
+        let (plan, bricks) = MemoryPlan::new(&self.device, self.budget, stage, volume, &sources, &optics)?;
+        Ok(Prepared { volume, tables, sources, plan, bricks })
     }
 
     /// Draws the next frame.
     fn draw(&mut self, stage: &Stage, control: &Control) -> Result<(), GpuError> {
         let started = Instant::now();
-        let Prepared { volume, optics, encoding, plan, bricks } = self.prepare(stage)?;
-        // The memory of the last volume is free before that of this one is asked for.
-        self.resident.take_if(|resident| !resident.holds(volume, &plan, &bricks));
-        let resident =
-            self.resident.get_or_insert_with(|| Resident::new(&self.device, volume, encoding, plan.clone(), bricks));
+        let Prepared { volume, tables, sources, plan, bricks } = self.prepare(stage)?;
+        let optics = Optics::new(stage, volume, &tables);
+        // The memory of the last volume and its tables is free before that of these is asked for.
+        self.resident.take_if(|resident| !resident.holds(&sources, &plan, &bricks));
+        self.uploads.take_if(|uploads| !uploads.are_of(&tables));
+        let uploads = self.uploads.get_or_insert_with(|| Uploads::new(&self.device, &tables, &optics));
+        let resident = self.resident.get_or_insert_with(|| Resident::new(&self.device, sources, plan.clone(), bricks));
         resident.plan = plan;
-        let hardware = self.interpolation == Interpolation::Hardware;
-        let mut caster = RayCaster::new(&self.device, &mut self.pipelines, resident, stage, volume, &optics, hardware)?;
+        let mut caster = RayCaster::new(
+            &self.device,
+            &mut self.pipelines,
+            resident,
+            (stage, volume),
+            (&optics, uploads),
+            self.drawing,
+        )?;
         let drawing = Instant::now();
         let frame = &mut self.next;
         frame.clear(stage.viewpoint.width, stage.viewpoint.height);
-        caster.draw(&mut self.bands, control, frame)?;
+        caster.draw(&mut self.reused, control, frame)?;
         let rays = (stage.viewpoint.width * stage.viewpoint.height) as u64;
         frame.statistics = FrameStatistics {
             rays: rays * u64::from(stage.quality.supersampling).pow(2),
@@ -207,8 +243,8 @@ impl GpuRenderer {
 /// What is known of a stage before anything of it is on the device.
 struct Prepared<'s> {
     volume: &'s StageVolume,
-    optics: Optics,
-    encoding: Encoding,
+    tables: Arc<Tables>,
+    sources: Vec<Source>,
     plan: MemoryPlan,
     bricks: Vec<Brick>,
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use pellucid_field::Volume;
-use pellucid_scene::{Control, StageVolume};
+use pellucid_scene::{Control, Stage, StageVolume, Tables};
 use wgpu::{SubmissionIndex, Texture, TextureView, TextureViewDescriptor};
 
 use crate::bricks::Brick;
@@ -12,12 +12,41 @@ use crate::staging::Staging;
 use crate::texture::{self, Encoding, Part};
 use crate::{Device, GpuError};
 
-/// A volume's voxels, cut so that they fit.
-pub struct Resident {
+/// A component of a volume, and how it is held.
+pub struct Source {
     volume: Arc<Volume>,
     component: usize,
-    /// How voxels are held.
+    /// How its voxels are held.
     pub encoding: Encoding,
+}
+
+impl Source {
+    /// What a stage reads: the field and, where that is coefficients, the voxels that are classified.
+    pub fn of(device: &Device, volume: &StageVolume, tables: &Tables, stage: &Stage) -> Vec<Self> {
+        let both = stage.classifies_voxels() && !Arc::ptr_eq(&tables.field, &volume.volume);
+        let voxels = both.then_some((&volume.volume, volume.component));
+        let source = |(volume, component): (&Arc<Volume>, usize)| Self {
+            encoding: Encoding::of(volume, &device.capabilities),
+            volume: volume.clone(),
+            component,
+        };
+        std::iter::once((&tables.field, tables.component)).chain(voxels).map(source).collect()
+    }
+
+    fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.volume, &other.volume) && self.component == other.component
+    }
+
+    /// What a shader reads, times the first and plus the second, is the data value.
+    pub fn data(&self) -> [f64; 2] {
+        self.encoding.data(&self.volume)
+    }
+}
+
+/// A volume's voxels, cut so that they fit.
+pub struct Resident {
+    /// What the field is made of and, if that is coefficients, the voxels that are classified.
+    sources: Vec<Source>,
     /// What the volume is cut into.
     pub bricks: Vec<Brick>,
     /// How it fits into memory.
@@ -29,37 +58,34 @@ pub struct Resident {
 
 struct Loaded {
     brick: Brick,
-    texture: Texture,
+    /// One for each source.
+    textures: Vec<Texture>,
     /// The last commands that read it.
     used: Option<SubmissionIndex>,
 }
 
 impl Resident {
     /// A volume of which nothing is uploaded yet.
-    pub fn new(
-        device: &Device,
-        volume: &StageVolume,
-        encoding: Encoding,
-        plan: MemoryPlan,
-        bricks: Vec<Brick>,
-    ) -> Self {
-        Self {
-            volume: volume.volume.clone(),
-            component: volume.component,
-            encoding,
-            bricks,
-            staging: Staging::new(device, plan.staging),
-            plan,
-            loaded: Vec::new(),
-        }
+    pub fn new(device: &Device, sources: Vec<Source>, plan: MemoryPlan, bricks: Vec<Brick>) -> Self {
+        Self { sources, bricks, staging: Staging::new(device, plan.staging), plan, loaded: Vec::new() }
     }
 
-    /// Whether this is a volume, cut in this way and with as much memory.
-    pub fn holds(&self, volume: &StageVolume, plan: &MemoryPlan, bricks: &[Brick]) -> bool {
-        Arc::ptr_eq(&self.volume, &volume.volume)
-            && self.component == volume.component
+    /// Whether this is what is read, cut in this way and with as much memory.
+    pub fn holds(&self, sources: &[Source], plan: &MemoryPlan, bricks: &[Brick]) -> bool {
+        self.sources.len() == sources.len()
+            && self.sources.iter().zip(sources).all(|(source, other)| source.is(other))
             && self.bricks == bricks
             && (self.plan.loaded, self.plan.staging) == (plan.loaded, plan.staging)
+    }
+
+    /// What the field is made of.
+    pub fn field(&self) -> &Source {
+        &self.sources[0]
+    }
+
+    /// The voxels themselves.
+    pub fn voxels(&self) -> &Source {
+        &self.sources[self.sources.len() - 1]
     }
 
     /// Whether there is one brick only.
@@ -72,11 +98,16 @@ impl Resident {
         self.plan.loaded >= self.bricks.len()
     }
 
-    /// The texture of a brick, uploaded if it is not there.
+    /// The textures of a brick, of the field and of the voxels, uploaded if they are not there.
     ///
     /// # Errors
     /// [`GpuError::Cancelled`], or what the device reports.
-    pub fn texture(&mut self, device: &Device, brick: &Brick, control: &Control) -> Result<TextureView, GpuError> {
+    pub fn textures(
+        &mut self,
+        device: &Device,
+        brick: &Brick,
+        control: &Control,
+    ) -> Result<[TextureView; 2], GpuError> {
         let found = self.loaded.iter().position(|loaded| loaded.brick == *brick);
         let entry = match found {
             Some(place) => self.loaded.remove(place),
@@ -86,15 +117,19 @@ impl Resident {
                     let passed = self.loaded.remove(0);
                     passed.used.map_or(Ok(()), |used| device.wait_for(used))?;
                 }
-                let texture = texture::create(device, &self.encoding, brick.voxels.dims());
+                let create = |source: &Source| texture::create(device, &source.encoding, brick.voxels.dims());
+                let textures: Vec<Texture> = self.sources.iter().map(create).collect();
                 device.check()?;
-                self.upload(device, &texture, brick, brick.voxels, control)?;
-                Loaded { brick: *brick, texture, used: None }
+                for (number, texture) in textures.iter().enumerate() {
+                    self.upload(device, number, texture, brick, brick.voxels, control)?;
+                }
+                Loaded { brick: *brick, textures, used: None }
             }
         };
-        let view = entry.texture.create_view(&TextureViewDescriptor::default());
+        let last = entry.textures.len() - 1;
+        let views = [0, last].map(|source| entry.textures[source].create_view(&TextureViewDescriptor::default()));
         self.loaded.push(entry);
-        Ok(view)
+        Ok(views)
     }
 
     /// Tells that submitted commands read the brick asked for last.
@@ -117,15 +152,17 @@ impl Resident {
         part: Part,
     ) -> Result<bool, GpuError> {
         let shape = |volume: &Volume| (*volume.grid(), volume.components(), volume.value_map());
-        if shape(volume) != shape(&self.volume) || *encoding != self.encoding {
+        // Coefficients of a filter change everywhere.
+        let [source] = &mut self.sources[..] else { return Ok(false) };
+        if shape(volume) != shape(&source.volume) || *encoding != source.encoding {
             return Ok(false);
         }
-        self.volume = volume.clone();
+        source.volume = volume.clone();
         let loaded = std::mem::take(&mut self.loaded);
-        let mut sent = Ok(());
+        let (mut sent, control) = (Ok(()), Control::default());
         for entry in &loaded {
             if let Some(part) = part.common(&entry.brick.voxels) {
-                sent = sent.and_then(|()| self.upload(device, &entry.texture, &entry.brick, part, &Control::default()));
+                sent = sent.and_then(|()| self.upload(device, 0, &entry.textures[0], &entry.brick, part, &control));
             }
         }
         // What is only partly new is of no use.
@@ -133,20 +170,22 @@ impl Resident {
         sent.map(|()| true)
     }
 
-    /// Sends a part of a brick's voxels on their way.
+    /// Sends a part of a brick's voxels, of one source, on their way.
     fn upload(
         &mut self,
         device: &Device,
+        source: usize,
         texture: &Texture,
         brick: &Brick,
         part: Part,
         control: &Control,
     ) -> Result<(), GpuError> {
         let at = [0, 1, 2].map(|axis| part.low[axis] - brick.voxels.low[axis]);
-        let (volume, encoding, width) = (&self.volume, &self.encoding, part.dims()[0]);
+        let Source { volume, component, encoding } = &self.sources[source];
+        let width = part.dims()[0];
         let fill = |bytes: &mut Vec<u8>, y, z| {
             let first = volume.grid().linear_index([part.low[0], part.low[1] + y, part.low[2] + z]);
-            encoding.append(bytes, volume, self.component, first, width);
+            encoding.append(bytes, volume, *component, first, width);
         };
         let go_on = || if control.is_cancelled() { Err(GpuError::Cancelled) } else { Ok(()) };
         self.staging.write(device, texture, at, part.dims(), fill, go_on)

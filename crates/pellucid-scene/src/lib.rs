@@ -6,6 +6,7 @@
 //! description that every backend draws. A backend answers with a [`Frame`].
 
 mod auto;
+mod blocks;
 mod blue_noise;
 mod camera;
 mod check;
@@ -23,8 +24,11 @@ mod resolve;
 mod scene;
 mod srgb8;
 mod stage;
+mod strides;
+mod tables;
 mod technique;
 
+pub use blocks::{BlockContent, BlockMap};
 pub use blue_noise::{TILE as BLUE_NOISE_TILE, blue_noise, blue_noise_shift};
 pub use camera::{Camera, LookAt, Orbit, Projection, Ray, View, Viewpoint};
 pub use check::Invalid;
@@ -37,4 +41,6 @@ pub use image::{Background, Encoding, ImageSettings};
 pub use quality::{Classification, Jitter, Quality};
 pub use resolve::{ResolveError, Stage, StageVolume};
 pub use scene::{Crop, SampleSource, Scene, Source, VolumeEntry};
+pub use strides::SAMPLES_PER_LOOK;
+pub use tables::{TableCache, TableError, Tables};
 pub use technique::{Combine, Isosurface, Isovalue, Mode, RayCast, Slice, Technique};

@@ -2,13 +2,18 @@
 
 use glam::DVec3;
 
-use crate::{Mode, RayCast, Region, Slice, Stage, StageVolume, Technique};
+use crate::{Classification, Mode, RayCast, Region, Slice, Stage, StageVolume, Technique};
 
 impl Stage {
     /// What is made of the samples.
     pub fn mode(&self) -> &Mode {
         let Technique::RayCast(RayCast { mode }) = &self.technique;
         mode
+    }
+
+    /// Whether voxels are classified and their colours interpolated (4.2).
+    pub fn classifies_voxels(&self) -> bool {
+        matches!(self.mode(), Mode::Composite) && self.quality.classification == Classification::Pre
     }
 
     /// The clips of a volume and, for a thick slice, the planes of its slab.

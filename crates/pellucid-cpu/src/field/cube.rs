@@ -1,9 +1,9 @@
 //! Sums over cubes of voxels under separable weights, for all lanes at once.
 
-use pellucid_field::ComponentView;
+use pellucid_field::{ComponentView, Kernel};
 
 use super::Texel;
-use super::kernel::{Kernel, MOST_TAPS};
+use super::kernel::{MOST_TAPS, weight};
 use crate::lanes::*;
 
 /// The voxels of type `T` of a volume with at least 4 of them.
@@ -80,7 +80,7 @@ impl<'a, T: Texel> Cubes<'a, T> {
             let cell = inside.to_int::<I32<S>>();
             let v = inside - cell.to_float::<F32<S>>() - 0.5;
             for tap in 0..taps {
-                weights[axis][tap] = kernel.weight(s, tap, v);
+                weights[axis][tap] = weight(s, kernel, tap, v);
             }
             let wanted = cell - (taps as i32 / 2 - 1);
             first[axis] = wanted.max(whole(s, 0)).min(whole(s, self.dims[axis] - taps as i32));
@@ -130,8 +130,8 @@ impl<'a, T: Texel> Cubes<'a, T> {
         let zero = splat(s, 0.0);
         let (mut x, mut y) = ([[zero; MOST]; 2], [[zero; MOST]; 2]);
         for tap in 0..taps {
-            (x[0][tap], x[1][tap]) = (across.weight(s, tap, v[0]), along_axis.weight(s, tap, v[0]));
-            (y[0][tap], y[1][tap]) = (across.weight(s, tap, v[1]), along_axis.weight(s, tap, v[1]));
+            (x[0][tap], x[1][tap]) = (weight(s, across, tap, v[0]), weight(s, along_axis, tap, v[0]));
+            (y[0][tap], y[1][tap]) = (weight(s, across, tap, v[1]), weight(s, along_axis, tap, v[1]));
         }
         in_fours(s, taps, &mut x[0]);
         in_fours(s, taps, &mut x[1]);
@@ -151,7 +151,7 @@ impl<'a, T: Texel> Cubes<'a, T> {
                 slice[1] = y[1][j].mul_add(row[0], slice[1]);
                 slice[2] = y[0][j].mul_add(row[0], slice[2]);
             }
-            let (smoothing, derivative) = (across.weight(s, k, v[2]), along_axis.weight(s, k, v[2]));
+            let (smoothing, derivative) = (weight(s, across, k, v[2]), weight(s, along_axis, k, v[2]));
             gradient[0] = smoothing.mul_add(slice[0], gradient[0]);
             gradient[1] = smoothing.mul_add(slice[1], gradient[1]);
             gradient[2] = derivative.mul_add(slice[2], gradient[2]);

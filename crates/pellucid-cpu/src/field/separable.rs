@@ -1,10 +1,9 @@
 //! Fields under wide filters and every gradient, on lanes (1.5-9, 5.3-6).
 
-use pellucid_field::{ComponentView, Filter, Gradient, Sampler};
+use pellucid_field::{ComponentView, Filter, Gradient, Kernel, Sampler};
 
 use super::cube::Cubes;
 use super::general::{gradient_of_each, value_of_each};
-use super::kernel::Kernel;
 use super::taps::Bounds;
 use super::{Field, Probe, Texel, Trilinear};
 use crate::lanes::*;

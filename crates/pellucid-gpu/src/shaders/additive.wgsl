@@ -2,7 +2,7 @@
 #define_import_path pellucid::mode
 
 #import pellucid::frame::frame
-#import pellucid::ray::{Ray, ray_ratio}
+#import pellucid::ray::{Ray, Sample}
 #import pellucid::field::field_value
 #import pellucid::march::State
 #import pellucid::table::{classify, extinction}
@@ -10,11 +10,11 @@
 // Opacity 1 would shine infinitely; this one emits 9.2 times its colour per unit distance.
 const BRIGHTEST: f32 = 0.9999;
 
-fn visit(state: ptr<function, State>, ray: Ray, k: f32, distance: f32, p: vec3<f32>) -> bool {
+fn visit(state: ptr<function, State>, ray: Ray, sample: Sample, p: vec3<f32>) -> bool {
     let rgba = classify(field_value(p));
     if rgba.a > 0.0 {
         (*state).counts.y += 1u;
-        let depth = extinction(min(rgba.a, BRIGHTEST)) * ray_ratio(ray, k) * frame.limits.w;
+        let depth = extinction(min(rgba.a, BRIGHTEST)) * sample.ratio * frame.limits.w;
         (*state).color += vec4<f32>(rgba.rgb * depth, 0.0);
     }
     return false;

@@ -3,6 +3,9 @@
 
 #import pellucid::frame::{frame, bounds}
 #import pellucid::ray::planes
+#ifdef KERNELS
+#import pellucid::kernel::{kernels, weight, MOST_TAPS, MOST_GRADIENT_TAPS}
+#endif
 
 @group(1) @binding(0) var volume: texture_3d<f32>;
 #ifdef HARDWARE
@@ -70,70 +73,236 @@ fn field_value(p: vec3<f32>) -> f32 {
     return data_value(textureSampleLevel(volume, linear, (texel + 0.5) / size, 0.0).x);
 }
 #else
+// Where an absent voxel is met, the nearest one's value stands for it; where that is absent there is no
+// value. Holes neither grow nor leak (`sampler.rs` of `pellucid-field`).
+fn voxel_or(voxel: vec3<i32>, nearest: f32) -> f32 {
+    let stored = stored_voxel(voxel);
 #ifdef HOLES
-fn mix_present(u: f32, a: f32, b: f32) -> f32 {
-    // A voxel without weight may be absent.
-    if u == 0.0 {
-        return a;
-    }
-    if u == 1.0 {
-        return b;
-    }
-    if !is_present(a) || !is_present(b) {
-        return ABSENT;
-    }
-    return a + (b - a) * u;
-}
+    return select(nearest, stored, is_present(stored));
 #else
-fn mix_present(u: f32, a: f32, b: f32) -> f32 {
-    return a + (b - a) * u;
-}
+    return stored;
 #endif
+}
 
-// The data value at a position, interpolated exactly; ABSENT where there is none.
-fn field_value(p: vec3<f32>) -> f32 {
-    let q = inside_grid(p);
+fn nearest_voxel(q: vec3<f32>) -> f32 {
+    return stored_voxel(min(vec3<i32>(floor(q + 0.5)), last_voxel()));
+}
+
+// The stored number between eight voxels (1.5-10).
+fn trilinear(q: vec3<f32>, nearest: f32) -> f32 {
     let a = cell_of(q);
     let b = min(a + 1, last_voxel());
     let u = q - vec3<f32>(a);
-    let near = mix_present(
+    let near = mix_two(
         u.y,
-        mix_present(u.x, stored_voxel(a), stored_voxel(vec3<i32>(b.x, a.y, a.z))),
-        mix_present(u.x, stored_voxel(vec3<i32>(a.x, b.y, a.z)), stored_voxel(vec3<i32>(b.x, b.y, a.z))),
+        mix_two(u.x, voxel_or(a, nearest), voxel_or(vec3<i32>(b.x, a.y, a.z), nearest)),
+        mix_two(u.x, voxel_or(vec3<i32>(a.x, b.y, a.z), nearest), voxel_or(vec3<i32>(b.x, b.y, a.z), nearest)),
     );
-    let far = mix_present(
+    let far = mix_two(
         u.y,
-        mix_present(u.x, stored_voxel(vec3<i32>(a.x, a.y, b.z)), stored_voxel(vec3<i32>(b.x, a.y, b.z))),
-        mix_present(u.x, stored_voxel(vec3<i32>(a.x, b.y, b.z)), stored_voxel(b)),
+        mix_two(u.x, voxel_or(vec3<i32>(a.x, a.y, b.z), nearest), voxel_or(vec3<i32>(b.x, a.y, b.z), nearest)),
+        mix_two(u.x, voxel_or(vec3<i32>(a.x, b.y, b.z), nearest), voxel_or(b, nearest)),
     );
-    let stored = mix_present(u.z, near, far);
-#ifdef HOLES
-    if !is_present(stored) {
-        return ABSENT;
+    return mix_two(u.z, near, far);
+}
+
+// Exactly `a` between equals.
+fn mix_two(u: f32, a: f32, b: f32) -> f32 {
+    return a + (b - a) * u;
+}
+
+#ifdef KERNELS
+// The stored number under the filter's weights. The sum is of differences to the nearest voxel, so that
+// a flat field stays flat to the bit. Kernels that reach over the border meet the border voxel again.
+fn filtered(q: vec3<f32>, nearest: f32) -> f32 {
+    let taps = kernels.taps.x;
+    let cell = floor(q);
+    let v = q - cell - 0.5;
+    let first = vec3<i32>(cell) + 1 - i32(taps / 2u);
+    let last = last_voxel();
+    var along: array<f32, MOST_TAPS>;
+    for (var i = 0u; i < taps; i += 1u) {
+        along[i] = weight(i, v.x);
     }
-#endif
-    return data_value(stored);
+    var sum = 0.0;
+    for (var k = 0u; k < taps; k += 1u) {
+        let z = clamp(first.z + i32(k), 0, last.z);
+        var slice = 0.0;
+        for (var j = 0u; j < taps; j += 1u) {
+            let y = clamp(first.y + i32(j), 0, last.y);
+            var row = 0.0;
+            for (var i = 0u; i < taps; i += 1u) {
+                let x = clamp(first.x + i32(i), 0, last.x);
+                row += along[i] * (voxel_or(vec3<i32>(x, y, z), nearest) - nearest);
+            }
+            slice += weight(j, v.y) * row;
+        }
+        sum += weight(k, v.z) * slice;
+    }
+    return sum + nearest;
 }
 #endif
 
-// Whether the field is defined one voxel from a position: inside the box and not clipped.
-fn has_tap(p: vec3<f32>) -> bool {
-    // The rounding of positions must not cut off a tap that lies in the border.
-    const ROOM: f32 = 1e-4;
-    var inside = all(p >= vec3<f32>(-ROOM)) && all(p <= vec3<f32>(last_voxel()) + ROOM);
+// The data value at a position, reconstructed exactly; ABSENT where there is none.
+fn field_value(p: vec3<f32>) -> f32 {
+    let q = inside_grid(p);
+    var nearest = 0.0;
+#ifdef HOLES
+    nearest = nearest_voxel(q);
+    if !is_present(nearest) {
+        return ABSENT;
+    }
+#endif
+#ifdef KERNELS
+    if kernels.taps.x != 2u {
+        nearest = nearest_voxel(q);
+        if kernels.taps.x == 0u {
+            return data_value(nearest);
+        }
+        return data_value(filtered(q, nearest));
+    }
+#endif
+    return data_value(trilinear(q, nearest));
+}
+#endif
+
+// The rounding of positions must not cut off what lies in the border, in voxels.
+const ROOM: f32 = 1e-4;
+
+// Whether everything between two corners is inside the box and not clipped.
+fn is_defined(low: vec3<f32>, high: vec3<f32>) -> bool {
+    var inside = all(low >= frame.low.xyz - ROOM) && all(high <= frame.high.xyz + ROOM);
     for (var i = 0u; i < frame.counts.y; i += 1u) {
-        inside = inside && dot(planes[i].xyz, p) >= planes[i].w - ROOM;
+        let deepest = select(high, low, planes[i].xyz > vec3<f32>(0.0));
+        inside = inside && dot(planes[i].xyz, deepest) >= planes[i].w - ROOM;
     }
     return inside;
 }
 
+// The value beside a position, for differences.
 fn tap(p: vec3<f32>) -> f32 {
-    if !has_tap(p) {
+    if !is_defined(p, p) {
         return ABSENT;
     }
     return field_value(p);
 }
 
+// Differences per voxel as data units per world length.
+fn world_gradient(g: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(dot(frame.gradient_x.xyz, g), dot(frame.gradient_y.xyz, g), dot(frame.gradient_z.xyz, g));
+}
+
+#ifdef KERNELS
+// A gradient per voxel, if there is one.
+struct Slopes {
+    stored: vec3<f32>,
+    present: bool,
+}
+
+// The gradient of stored numbers as sums under separable weights; none if a voxel of them is absent.
+fn summed_gradient(q: vec3<f32>) -> Slopes {
+    let taps = kernels.taps.y;
+    let across = kernels.taps.w;
+    let derivative = across + taps;
+    let cell = floor(q);
+    let v = q - cell - 0.5;
+    let first = vec3<i32>(cell) + 1 - i32(taps / 2u);
+    let last = last_voxel();
+    let middle = stored_voxel(clamp(vec3<i32>(cell), vec3<i32>(0), last));
+    var along: array<vec2<f32>, MOST_GRADIENT_TAPS>;
+    for (var i = 0u; i < taps; i += 1u) {
+        along[i] = vec2<f32>(weight(across + i, v.x), weight(derivative + i, v.x));
+    }
+    var sum = vec3<f32>(0.0);
+    var present = is_present(middle);
+    for (var k = 0u; k < taps; k += 1u) {
+        let z = clamp(first.z + i32(k), 0, last.z);
+        var slice = vec3<f32>(0.0);
+        for (var j = 0u; j < taps; j += 1u) {
+            let y = clamp(first.y + i32(j), 0, last.y);
+            var row = vec2<f32>(0.0);
+            for (var i = 0u; i < taps; i += 1u) {
+                let x = clamp(first.x + i32(i), 0, last.x);
+                let stored = stored_voxel(vec3<i32>(x, y, z));
+#ifdef HOLES
+                present = present && is_present(stored);
+#endif
+                row += along[i] * (stored - middle);
+            }
+            let smoothing = weight(across + j, v.y);
+            slice += vec3<f32>(smoothing * row.y, weight(derivative + j, v.y) * row.x, smoothing * row.x);
+        }
+        let smoothing = weight(across + k, v.z);
+        sum += vec3<f32>(smoothing, smoothing, weight(derivative + k, v.z)) * slice;
+    }
+    return Slopes(sum, present);
+}
+
+// The gradient per voxel from samples around a position: one that does not exist is the point
+// reflection of its opposite, and where neither does there is no difference.
+fn sampled_gradient(q: vec3<f32>) -> vec3<f32> {
+    let at = field_value(q);
+    var sum = vec3<f32>(0.0);
+    if !is_present(at) {
+        return sum;
+    }
+    let r = i32(kernels.taps.z);
+    for (var z = 0; z <= r; z += 1) {
+        for (var y = select(-r, 0, z == 0); y <= r; y += 1) {
+            for (var x = select(-r, 1, z == 0 && y == 0); x <= r; x += 1) {
+                let offset = vec3<i32>(x, y, z);
+                let here = sample_weights(r + offset);
+                let opposite = sample_weights(r - offset);
+                if all(here == vec3<f32>(0.0)) && all(opposite == vec3<f32>(0.0)) {
+                    continue;
+                }
+                let after = tap(q + vec3<f32>(offset));
+                let before = tap(q - vec3<f32>(offset));
+                var rise = after - at;
+                var fall = before - at;
+                if !is_present(after) {
+                    rise = select(0.0, -fall, is_present(before));
+                }
+                if !is_present(before) {
+                    fall = -rise;
+                }
+                sum += here * rise + opposite * fall;
+            }
+        }
+    }
+    return sum;
+}
+
+// The stencil's weights of a sample, for the three parts of a gradient.
+fn sample_weights(place: vec3<i32>) -> vec3<f32> {
+    let x = kernels.stencil[place.x].xy;
+    let y = kernels.stencil[place.y].xy;
+    let z = kernels.stencil[place.z].xy;
+    return vec3<f32>(x.y * y.x * z.x, x.x * y.y * z.x, x.x * y.x * z.y);
+}
+
+// Whether all that the sums of a gradient stand for is there.
+fn is_whole_around(q: vec3<f32>) -> bool {
+    if kernels.flags.x != 0u {
+        let first = floor(q) - 1.0;
+        return is_defined(first, first + 3.0);
+    }
+    let radius = f32(kernels.taps.z);
+    return is_defined(q - radius, q + radius);
+}
+
+// The gradient in data units per world length, by the estimator that is asked for.
+fn field_gradient(p: vec3<f32>) -> vec3<f32> {
+    let q = clamp(p, frame.low.xyz, frame.high.xyz);
+    if is_whole_around(q) {
+        let slopes = summed_gradient(select(q, floor(q + 0.5), kernels.flags.y != 0u));
+        if slopes.present {
+            return world_gradient(slopes.stored * frame.values.x);
+        }
+    }
+    return world_gradient(sampled_gradient(q));
+}
+#else
 // The change per voxel along an axis: half of that between both neighbours, or of that to the one
 // that is there.
 fn slope(before: f32, at: f32, after: f32) -> f32 {
@@ -154,6 +323,9 @@ fn slope(before: f32, at: f32, after: f32) -> f32 {
 // The gradient in data units per world length, by central differences over one voxel.
 fn field_gradient(p: vec3<f32>) -> vec3<f32> {
     let at = field_value(p);
+    if !is_present(at) {
+        return vec3<f32>(0.0);
+    }
     let dx = vec3<f32>(1.0, 0.0, 0.0);
     let dy = vec3<f32>(0.0, 1.0, 0.0);
     let dz = vec3<f32>(0.0, 0.0, 1.0);
@@ -162,5 +334,6 @@ fn field_gradient(p: vec3<f32>) -> vec3<f32> {
         slope(tap(p - dy), at, tap(p + dy)),
         slope(tap(p - dz), at, tap(p + dz)),
     );
-    return vec3<f32>(dot(frame.gradient_x.xyz, g), dot(frame.gradient_y.xyz, g), dot(frame.gradient_z.xyz, g));
+    return world_gradient(g);
 }
+#endif

@@ -24,9 +24,10 @@ macro_rules! source {
 }
 
 /// What passes import; each only from those above it.
-const SHARED: [Source; 10] = [
+const SHARED: [Source; 11] = [
     source!("frame"),
     source!("ray"),
+    source!("kernel"),
     source!("field"),
     source!("table"),
     source!("light"),
@@ -124,6 +125,10 @@ pub struct Variant {
     pub opaque: bool,
     /// Rays that are not done are listed for the next pass.
     pub wavefront: bool,
+    /// The filter is not linear, or the gradient not of central differences.
+    pub kernels: bool,
+    /// Steps adapt to the data.
+    pub strides: bool,
 }
 
 impl Variant {
@@ -140,6 +145,8 @@ impl Variant {
             weighted: off,
             opaque: off,
             wavefront: off,
+            kernels: off,
+            strides: off,
         }
     }
 
@@ -147,7 +154,7 @@ impl Variant {
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for pass in Pass::ALL {
-            for bits in 0..1 << 8 {
+            for bits in 0..1 << 10 {
                 let on = |bit: u32| bits >> bit & 1 == 1;
                 let variant = Self {
                     pass,
@@ -159,6 +166,8 @@ impl Variant {
                     weighted: on(5),
                     opaque: on(6),
                     wavefront: on(7),
+                    kernels: on(8),
+                    strides: on(9),
                 };
                 if variant == variant.canonical() {
                     all.push(variant);
@@ -184,7 +193,14 @@ impl Variant {
         self.opaque &= projects;
         // Bricks are passes already.
         self.wavefront &= !self.bricks && self.pass != Resolve;
+        self.kernels &= self.pass != Resolve;
+        self.strides &= self.skip && self.pass == Composite;
         self
+    }
+
+    /// Whether classified voxels have a texture beside that of the field.
+    pub fn has_voxels(&self) -> bool {
+        self.kernels && self.pass == Pass::CompositePre
     }
 
     /// The names that are defined for the preprocessor.
@@ -198,6 +214,8 @@ impl Variant {
             ("WEIGHTED", self.weighted),
             ("OPAQUE", self.opaque),
             ("WAVEFRONT", self.wavefront),
+            ("KERNELS", self.kernels),
+            ("STRIDES", self.strides),
             ("EXTREMES", self.pass.compares_extremes()),
             ("MINIMUM", self.pass == Pass::Minimum),
             ("PRECLASSIFIED", self.pass == Pass::CompositePre),

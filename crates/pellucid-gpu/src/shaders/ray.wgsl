@@ -34,6 +34,16 @@ struct Segment {
     length: f32,
 }
 
+// What stands for a segment, or for as many as a stride has.
+struct Sample {
+    // Where it is, in steps.
+    distance: f32,
+    // Length it stands for, in strides: 1 but for the last.
+    ratio: f32,
+    // The stride is 2^level steps.
+    level: u32,
+}
+
 fn nonzero(x: f32) -> f32 {
     return select(x, 1e-30, abs(x) < 1e-30);
 }
@@ -112,6 +122,18 @@ fn ray_ratio(ray: Ray, k: f32) -> f32 {
 // Distance of segment k's sample.
 fn ray_sample(ray: Ray, k: f32) -> f32 {
     return k + ray.jitter * ray_ratio(ray, k);
+}
+
+// The sample of segment k.
+fn sample_of(ray: Ray, k: f32) -> Sample {
+    return Sample(ray_sample(ray, k), ray_ratio(ray, k), 0u);
+}
+
+// The sample of the stride that starts with segment k, in the middle of what is left of it.
+fn stride_sample(ray: Ray, k: f32, level: u32) -> Sample {
+    let stride = f32(1u << level);
+    let length = min(ray_length(ray) - k, stride);
+    return Sample(k + ray.jitter * length, length / stride, level);
 }
 
 // Distance of the exit.

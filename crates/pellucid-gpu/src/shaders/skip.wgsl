@@ -9,7 +9,8 @@
 // The largest value of every block, or the smallest with its sign turned.
 @group(1) @binding(2) var blocks: texture_3d<f32>;
 #else
-// How many blocks away the next one is that can contribute; 0 if this one can.
+// How many blocks away the next one is that can contribute; 0 if this one can. Where steps adapt to
+// the data, the level of the stride that the block allows is in y.
 @group(1) @binding(2) var blocks: texture_3d<u32>;
 #endif
 
@@ -51,6 +52,13 @@ fn leap_samples(ray: Ray, from_k: f32, best: f32) -> f32 {
     }
     return k;
 }
+
+#ifdef STRIDES
+// The level of the stride at sample k (7.3-3).
+fn stride_level(ray: Ray, k: f32) -> u32 {
+    return textureLoad(blocks, block_at(ray_at(ray, ray_sample(ray, k))), 0).y;
+}
+#endif
 
 #ifndef EXTREMES
 // The node in front of the first segment from n on that may contribute.

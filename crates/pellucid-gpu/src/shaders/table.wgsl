@@ -16,12 +16,18 @@ fn clamped_node(value: f32) -> f32 {
 
 // The entry at a data value; zero where there is none.
 fn classify(value: f32) -> vec4<f32> {
+    return classify_stride(value, 0u);
+}
+
+// The entry for a stride of 2^level steps: the tables of longer strides follow that of one step.
+fn classify_stride(value: f32, level: u32) -> vec4<f32> {
     if !is_present(value) {
         return vec4<f32>(0.0);
     }
     let position = clamped_node(value);
     let node = min(u32(position), frame.dims.w - 2u);
-    return mix(entries[node], entries[node + 1u], position - f32(node));
+    let entry = node + level * frame.dims.w;
+    return mix(entries[entry], entries[entry + 1u], position - f32(node));
 }
 
 // `1 - (1 - alpha)^ratio`, without loss where alpha is small.

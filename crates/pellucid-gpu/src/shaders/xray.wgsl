@@ -1,18 +1,17 @@
 // A radiograph (1.2-7, model 1; 1.4-11): the share of light held back, in white.
 #define_import_path pellucid::mode
 
-#import pellucid::ray::{Ray, ray_ratio}
+#import pellucid::ray::{Ray, Sample}
 #import pellucid::field::field_value
 #import pellucid::march::State
 #import pellucid::table::{classify, opacity_over}
 
-fn visit(state: ptr<function, State>, ray: Ray, k: f32, distance: f32, p: vec3<f32>) -> bool {
+fn visit(state: ptr<function, State>, ray: Ray, sample: Sample, p: vec3<f32>) -> bool {
     var alpha = classify(field_value(p)).a;
     if alpha > 0.0 {
         (*state).counts.y += 1u;
-        let ratio = ray_ratio(ray, k);
-        if ratio < 1.0 {
-            alpha = opacity_over(alpha, ratio);
+        if sample.ratio < 1.0 {
+            alpha = opacity_over(alpha, sample.ratio);
         }
         (*state).color += (vec4<f32>(1.0) - (*state).color) * alpha;
     }

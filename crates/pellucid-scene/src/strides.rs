@@ -3,18 +3,20 @@
 use pellucid_field::{Blocks, distances};
 use pellucid_optics::{Bend, OpticsError, StepTable, Table};
 
-use crate::samples::RUN;
+/// How many samples rays take between two looks at the blocks: asking at every border costs more than
+/// the samples it saves.
+pub const SAMPLES_PER_LOOK: usize = 8;
 
 /// Strides are powers of two: 1, 2 and 4 steps.
-pub const LEVELS: usize = 3;
+const LEVELS: usize = 3;
 
 /// The level of the stride that every block allows: the stride is `2^level` steps.
 ///
 /// A block has an own level, the largest at which a stride's sample is no further than `tolerance`
 /// from the samples it stands for; blocks without opacity have the largest. Rays look at blocks once
-/// in [`RUN`] samples, so a block allows a stride only if no block within its reach has a smaller
+/// in [`SAMPLES_PER_LOOK`] samples, so a block allows a stride only if no block within its reach has a smaller
 /// level. `step` is the longest step along any axis, in voxels.
-pub fn levels(
+pub(crate) fn levels(
     blocks: &Blocks,
     table: &StepTable,
     live: impl Fn(f32, f32) -> bool,
@@ -36,7 +38,7 @@ pub fn levels(
     let own: Vec<usize> = blocks.ranges().iter().map(own).collect();
     let mut levels = vec![0; own.len()];
     for level in 1..LEVELS {
-        let reach = ((RUN << level) as f64 * step / blocks.size() as f64).ceil() as usize;
+        let reach = ((SAMPLES_PER_LOOK << level) as f64 * step / blocks.size() as f64).ceil() as usize;
         let finer = distances(blocks.dims(), |block| own[block] < level);
         for (level_of_block, &distance) in levels.iter_mut().zip(&finer) {
             if usize::from(distance) > reach.min(254) {
@@ -48,6 +50,6 @@ pub fn levels(
 }
 
 /// The tables of all strides: a sample of level l looks at the l-th.
-pub fn tables(table: &Table, ratio: f32) -> Result<Vec<StepTable>, OpticsError> {
+pub(crate) fn tables(table: &Table, ratio: f32) -> Result<Vec<StepTable>, OpticsError> {
     (0..LEVELS).map(|level| StepTable::new(table, ratio * (1 << level) as f32)).collect()
 }

@@ -1,0 +1,73 @@
+//! Tables and blocks on the device, kept while only camera and light change.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, cast_slice};
+use pellucid_scene::{BLUE_NOISE_TILE, BlockContent, BlockMap, Tables, blue_noise};
+use wgpu::{Buffer, BufferUsages, TextureFormat, TextureView};
+
+use crate::optics::Optics;
+use crate::{Device, texture};
+
+/// The tables of a stage, uploaded.
+pub struct Uploads {
+    of: Arc<Tables>,
+    /// Colours and opacities.
+    pub entries: Buffer,
+    /// What rays ask of blocks.
+    pub blocks: TextureView,
+    /// Isosurfaces.
+    pub levels: Buffer,
+    /// The tile of blue noise.
+    pub noise: Buffer,
+}
+
+impl Uploads {
+    /// Uploads tables.
+    pub fn new(device: &Device, tables: &Arc<Tables>, optics: &Optics) -> Self {
+        let noise: Vec<f32> = (0..BLUE_NOISE_TILE * BLUE_NOISE_TILE)
+            .map(|cell| blue_noise(cell % BLUE_NOISE_TILE, cell / BLUE_NOISE_TILE, 0) as f32)
+            .collect();
+        Self {
+            of: tables.clone(),
+            entries: storage(device, "table", optics.entries),
+            blocks: block_texture(device, optics.blocks, optics.pass.compares_extremes()),
+            levels: storage(device, "levels", &optics.levels),
+            noise: storage(device, "noise", &noise),
+        }
+    }
+
+    /// Whether they are of these tables.
+    pub fn are_of(&self, tables: &Arc<Tables>) -> bool {
+        Arc::ptr_eq(&self.of, tables)
+    }
+}
+
+/// A buffer that shaders read; never empty, as bindings cannot be.
+pub fn storage<T: Pod>(device: &Device, label: &str, content: &[T]) -> Buffer {
+    let nothing = [0u8; 64];
+    let contents = if content.is_empty() { &nothing } else { cast_slice(content) };
+    device.buffer(label, contents, BufferUsages::STORAGE)
+}
+
+/// The blocks as a texture; a single one where none is asked.
+fn block_texture(device: &Device, blocks: Option<&BlockMap>, extremes: bool) -> TextureView {
+    let none = if extremes { TextureFormat::R32Float } else { TextureFormat::R8Uint };
+    let (format, dims, bytes) = match blocks {
+        None => (none, [1; 3], vec![0; 4]),
+        Some(BlockMap { dims, content, levels, .. }) => match (content, levels) {
+            (BlockContent::Distances(distances), None) => (TextureFormat::R8Uint, *dims, distances.clone()),
+            (BlockContent::Distances(distances), Some(levels)) => {
+                let pairs = distances.iter().zip(levels).flat_map(|(&distance, &level)| [distance, level]);
+                (TextureFormat::Rg8Uint, *dims, pairs.collect())
+            }
+            (BlockContent::Extremes(extremes), _) => {
+                // Shaders need not know infinity, which blocks without any value have.
+                let bytes = extremes.iter().flat_map(|v| v.max(f32::MIN).to_ne_bytes());
+                (TextureFormat::R32Float, *dims, bytes.collect())
+            }
+        },
+    };
+    let texture = texture::of_bytes(device, "blocks", format, dims, &bytes);
+    texture.create_view(&Default::default())
+}

@@ -1,0 +1,217 @@
+//! What every backend looks up: the tables of a stage and what blocks tell of its data, made once and
+//! kept from frame to frame.
+
+use std::sync::Arc;
+
+use pellucid_field::{Blocks, FieldError, Filter, Volume, spline_coefficients};
+use pellucid_optics::{DataRange, OpticsError, PreIntegration, StepTable, Table, TransferFunction, Visibility};
+
+use crate::blocks::{BlockContent, BlockMap};
+use crate::strides;
+use crate::{Classification, Combine, Mode, Quality, Slice, Stage, StageVolume};
+
+/// Why the tables of a stage cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TableError {
+    /// The transfer function cannot be tabulated over the data.
+    #[error(transparent)]
+    Optics(#[from] OpticsError),
+    /// The field cannot be reconstructed as asked.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+}
+
+/// What is kept from frame to frame: what depends on the data alone, and the tables of the last
+/// settings.
+pub struct TableCache {
+    /// Most blocks per axis.
+    most_blocks: usize,
+    blocks: Option<(Arc<Volume>, usize, usize, Arc<Blocks>)>,
+    coefficients: Option<(Arc<Volume>, usize, Arc<Volume>)>,
+    tables: Option<(Settings, Arc<Tables>)>,
+}
+
+/// Everything that tables depend on.
+#[derive(PartialEq)]
+struct Settings {
+    transfer_function: TransferFunction,
+    component: usize,
+    step: f64,
+    unit_distance: f64,
+    quality: Quality,
+    mode: Mode,
+}
+
+impl Default for TableCache {
+    fn default() -> Self {
+        Self::with_most_blocks(usize::MAX)
+    }
+}
+
+impl TableCache {
+    /// A cache whose block maps have at most so many blocks per axis: they are larger where there would
+    /// be more.
+    pub fn with_most_blocks(most_blocks: usize) -> Self {
+        Self { most_blocks: most_blocks.max(1), blocks: None, coefficients: None, tables: None }
+    }
+
+    /// The tables of a volume of a stage: the last ones, if nothing they depend on has changed.
+    ///
+    /// # Errors
+    /// [`TableError`] if the data's range cannot be tabulated, or if there is no such component.
+    pub fn tables(&mut self, stage: &Stage, volume: &StageVolume) -> Result<Arc<Tables>, TableError> {
+        let settings = Settings {
+            transfer_function: volume.transfer_function.clone(),
+            component: volume.component,
+            step: stage.step,
+            unit_distance: volume.unit_distance(),
+            quality: stage.quality.clone(),
+            mode: stage.mode().clone(),
+        };
+        match &self.tables {
+            Some((of, tables)) if Arc::ptr_eq(&tables.volume, &volume.volume) && *of == settings => Ok(tables.clone()),
+            _ => {
+                let tables = Arc::new(Tables::new(stage, volume, self)?);
+                self.tables = Some((settings, tables.clone()));
+                Ok(tables)
+            }
+        }
+    }
+
+    fn blocks(&mut self, volume: &Arc<Volume>, component: usize, reach: usize) -> Result<Arc<Blocks>, FieldError> {
+        match &self.blocks {
+            Some((v, c, r, blocks)) if Arc::ptr_eq(v, volume) && *c == component && *r == reach => Ok(blocks.clone()),
+            _ => {
+                let cells = volume.grid().dims().into_iter().max().unwrap_or(1);
+                let size = Blocks::CELLS.max(cells.div_ceil(self.most_blocks).next_power_of_two());
+                let blocks = Arc::new(Blocks::new(volume, component, size, reach)?);
+                self.blocks = Some((volume.clone(), component, reach, blocks.clone()));
+                Ok(blocks)
+            }
+        }
+    }
+
+    fn coefficients(&mut self, volume: &Arc<Volume>, component: usize) -> Result<Arc<Volume>, FieldError> {
+        match &self.coefficients {
+            Some((v, c, made)) if Arc::ptr_eq(v, volume) && *c == component => Ok(made.clone()),
+            _ => {
+                let made = Arc::new(spline_coefficients(volume, component)?);
+                self.coefficients = Some((volume.clone(), component, made.clone()));
+                Ok(made)
+            }
+        }
+    }
+}
+
+/// What depends on a volume, its transfer function and the quality, but not on camera and light.
+pub struct Tables {
+    /// What is drawn.
+    volume: Arc<Volume>,
+    /// What the reconstruction reads: the volume, or its filter coefficients.
+    pub field: Arc<Volume>,
+    /// The component of `field` that is read.
+    pub component: usize,
+    /// How `field` is read: never a B-spline with prefilter.
+    pub filter: Filter,
+    /// Colour and opacity per unit distance.
+    pub table: Table,
+    /// Associated colour and opacity of one step.
+    pub step_table: StepTable,
+    /// The entries of all strides, if steps adapt to the data: those of one step, then of two, of four.
+    pub stride_entries: Option<Vec<[f32; 4]>>,
+    /// Ray integrals of one step, if classification is pre-integrated.
+    pub preintegration: Option<PreIntegration>,
+    /// What blocks tell, for modes that leap over some.
+    pub blocks: Option<BlockMap>,
+}
+
+impl Tables {
+    fn new(stage: &Stage, volume: &StageVolume, cache: &mut TableCache) -> Result<Self, TableError> {
+        let quality = &stage.quality;
+        let (field, component, filter) = match quality.filter {
+            Filter::BSpline { prefilter: true } => {
+                let coefficients = cache.coefficients(&volume.volume, volume.component)?;
+                (coefficients, 0, Filter::BSpline { prefilter: false })
+            }
+            filter => (volume.volume.clone(), volume.component, filter),
+        };
+        let tf = &volume.transfer_function;
+        let range = DataRange::of(&volume.volume);
+        let ratio = stage.step / volume.unit_distance();
+        let table = Table::for_data(tf, &range)?;
+        let step_table = StepTable::new(&table, ratio as f32)?;
+        let composited = matches!(stage.mode(), Mode::Composite);
+        let preintegration = (composited && quality.classification == Classification::PreIntegrated)
+            .then(|| PreIntegration::for_data(tf, &range, ratio))
+            .transpose()?;
+        let visibility = match &preintegration {
+            Some(segments) => Visibility::of_segments(tf, segments.nodes()),
+            None => Visibility::of_table(&table),
+        };
+        let visible = |low, high| visibility.any_opacity(low, high);
+        let ranges = quality.empty_space_skipping.then(|| bounds(stage, volume, (&field, component, filter), cache));
+        let ranges = ranges.transpose()?.flatten();
+        let mut blocks = ranges.as_ref().and_then(|ranges| {
+            let content = match stage.mode() {
+                Mode::Minimum | Mode::Slice(Slice { combine: Combine::Minimum, .. }) => {
+                    BlockContent::extremes(ranges, true)
+                }
+                Mode::Maximum | Mode::Slice(Slice { combine: Combine::Maximum, .. }) => {
+                    BlockContent::extremes(ranges, false)
+                }
+                Mode::Composite | Mode::Additive | Mode::XRay => BlockContent::distances(ranges, visible),
+                Mode::Isosurface(isosurface) => {
+                    let levels: Vec<f32> = isosurface.isovalues.iter().map(|iso| iso.value as f32).collect();
+                    let crossed = |low, high| levels.iter().any(|level| (low..=high).contains(level));
+                    BlockContent::distances(ranges, crossed)
+                }
+                Mode::Average | Mode::Slice(_) => return None,
+            };
+            Some(BlockMap { dims: ranges.dims(), size: ranges.size(), content, levels: None })
+        });
+        // Without blocks nothing is known of the data ahead.
+        let adaptive = composited && quality.classification == Classification::Post && quality.adaptive_tolerance > 0.0;
+        let mut stride_entries = None;
+        if let (true, Some(blocks), Some(ranges)) = (adaptive, &mut blocks, &ranges) {
+            let shortest = volume.volume.grid().spacing().into_iter().fold(f64::INFINITY, f64::min);
+            let step = stage.step / shortest;
+            blocks.levels = Some(strides::levels(ranges, &step_table, visible, quality.adaptive_tolerance, step));
+            let tables = strides::tables(&table, ratio as f32)?;
+            stride_entries = Some(tables.iter().flat_map(StepTable::entries).copied().collect());
+        }
+        Ok(Self {
+            volume: volume.volume.clone(),
+            field,
+            component,
+            filter,
+            table,
+            step_table,
+            stride_entries,
+            preintegration,
+            blocks,
+        })
+    }
+}
+
+/// Blocks that bound every value that is classified; `None` if the filter leaves the range of its
+/// voxels too far for them to tell anything. Samples of a field are bounded by the numbers that its
+/// filter weighs; pre-classified samples blend colours of the volume's voxels, which are zero wherever
+/// the voxels' are, whatever the weights.
+fn bounds(
+    stage: &Stage,
+    volume: &StageVolume,
+    (field, component, filter): (&Arc<Volume>, usize, Filter),
+    cache: &mut TableCache,
+) -> Result<Option<Arc<Blocks>>, FieldError> {
+    const FURTHEST: f64 = 4.0;
+    let reach = filter.half_width() - 1;
+    if stage.classifies_voxels() {
+        return cache.blocks(&volume.volume, volume.component, reach).map(Some);
+    }
+    let overshoot = filter.overshoot();
+    if overshoot > FURTHEST {
+        return Ok(None);
+    }
+    let blocks = cache.blocks(field, component, reach)?;
+    Ok(Some(if overshoot > 0.0 { Arc::new(blocks.overshot(overshoot)) } else { blocks }))
+}
