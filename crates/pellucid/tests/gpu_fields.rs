@@ -94,16 +94,22 @@ fn worlds_in_tiny_and_huge_units() {
 #[test]
 fn the_sampler_of_every_format() {
     let mut exact = gpu(&Ceiling::default());
+    let mut failures = Vec::new();
     let mut fast = GpuRenderer::on(device(&Ceiling::default())).with_interpolation(Interpolation::Hardware);
     for (voxel_type, most) in
-        [(VoxelType::U8, 6.0), (VoxelType::U16, 2.0), (VoxelType::F16, 2.0), (VoxelType::F32, 2.0)]
+        [(VoxelType::U8, 20.0), (VoxelType::U16, 2.0), (VoxelType::F16, 2.0), (VoxelType::F32, 2.0)]
     {
         let volume = sample("marschner-lobb", [32, 31, 33], voxel_type);
+        let mut worst = 0.0f32;
         for (name, mode) in &MODES[..10] {
             let stage = stage(&volume, mode, SIZE);
             let apart = difference(&draw(&mut fast, &stage), &draw(&mut exact, &stage)) / LEVEL;
             println!("{voxel_type} {name}: {apart:.2} levels");
-            assert!(apart <= most, "{voxel_type} {name}: {apart:.2} levels apart");
+            worst = worst.max(apart);
+        }
+        if worst > most {
+            failures.push(format!("{voxel_type}: {worst:.2} levels apart, {most} expected"));
         }
     }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }

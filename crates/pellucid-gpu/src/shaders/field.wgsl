@@ -120,7 +120,7 @@ fn field_value(p: vec3<f32>) -> f32 {
 fn has_tap(p: vec3<f32>) -> bool {
     // The rounding of positions must not cut off a tap that lies in the border.
     const ROOM: f32 = 1e-4;
-    var inside = all(p >= vec3<f32>(-ROOM)) && all(p <= vec3<f32>(last_voxel()) + ROOM);
+    var inside = all(p >= frame.low.xyz - ROOM) && all(p <= frame.high.xyz + ROOM);
     for (var i = 0u; i < frame.counts.y; i += 1u) {
         inside = inside && dot(planes[i].xyz, p) >= planes[i].w - ROOM;
     }
