@@ -185,9 +185,9 @@ impl<'a> RayCaster<'a> {
         let mut row = 0;
         while row < height {
             let most = self.resident.plan.rows.min(height - row);
-            // Bricks that come and go are drawn one by one anyway, and for as many rows as there can be; a
-            // wavefront is as wide as there is room.
-            let learnt = self.resident.is_complete() && !wavefront;
+            // The passes of bricks are many anyway: as many rows of each as there can be; a wavefront is as
+            // wide as there is room.
+            let learnt = self.resident.is_whole() && !wavefront;
             let wanted = if learnt { (reused.bands.rays() / rays) as u32 } else { most };
             let rows = wanted.max(8).next_multiple_of(8).min(most);
             // The old ones go first.
@@ -229,11 +229,8 @@ impl<'a> RayCaster<'a> {
             if control.is_cancelled() {
                 return Err(GpuError::Cancelled);
             }
-            let together = if self.resident.is_complete() {
-                ((bands.rays() / pixels) as usize * bricks).clamp(bricks.min(MOST_PASSES), MOST_PASSES)
-            } else {
-                1
-            };
+            let together = if self.resident.is_complete() { (bands.rays() / pixels) as usize } else { 1 };
+            let together = together.clamp(1, MOST_PASSES);
             let first = turn;
             turn = turns.min(turn + together);
             let passes = PassBuffer::new(self.device, (first..turn).map(|turn| self.pass(turn, band)));
@@ -269,7 +266,7 @@ impl<'a> RayCaster<'a> {
             let submission = self.device.queue.submit([encoder.finish()]);
             if self.resident.is_complete() {
                 self.device.wait()?;
-                bands.learn(pixels * (turn - first).div_ceil(bricks) as u64, started.elapsed());
+                bands.learn(pixels * (turn - first) as u64, started.elapsed());
                 busy = busy.zip(timer.and_then(Timer::seconds)).map(|(busy, seconds)| busy + seconds);
             } else {
                 // Meanwhile the next brick may come.
