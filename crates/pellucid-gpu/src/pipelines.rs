@@ -10,7 +10,7 @@ use wgpu::{
     ShaderStages, TextureSampleType, TextureViewDimension,
 };
 
-use crate::shaders::Variant;
+use crate::shaders::{Pass, Variant};
 use crate::{Device, GpuError, uniforms};
 
 /// A pipeline and the layouts of its groups: the frame, the volume, the tables.
@@ -46,9 +46,12 @@ fn make(device: &Device, variant: &Variant) -> Result<Pipeline, GpuError> {
     let source = ShaderSource::Naga(Cow::Owned(variant.link()?));
     let module = device.device.create_shader_module(ShaderModuleDescriptor { label: Some(&label), source });
     let groups = [frame_layout(device), volume_layout(device, variant), table_layout(device)];
+    // Rays become pixels whatever they were drawn with.
+    let used = if variant.pass == Pass::Resolve { 1 } else { groups.len() };
+    let layouts: Vec<_> = groups[..used].iter().map(Some).collect();
     let layout = device.device.create_pipeline_layout(&PipelineLayoutDescriptor {
         label: Some(&label),
-        bind_group_layouts: &[Some(&groups[0]), Some(&groups[1]), Some(&groups[2])],
+        bind_group_layouts: &layouts,
         immediate_size: 0,
     });
     let pipeline = device.device.create_compute_pipeline(&ComputePipelineDescriptor {
