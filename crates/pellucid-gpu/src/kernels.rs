@@ -88,7 +88,7 @@ mod tests {
         assert_eq!(Kernel::of_gradient(filter, gradient)[0].taps(), MOST_GRADIENT_TAPS);
         assert_eq!(stencil(gradient).len(), MOST_STENCIL);
         let source = include_str!("shaders/kernel.wgsl");
-        for text in ["vec4<f32>, 19>", "vec4<f32>, 252>", "MOST_TAPS: u32 = 16u", "MOST_GRADIENT_TAPS: u32 = 34u"] {
+        for text in ["vec4<f32>, 19>", "vec4<f32>, 252>", "MOST_FOURS: u32 = 4u", "MOST_GRADIENT_TAPS: u32 = 34u"] {
             assert!(source.contains(text), "{text}");
         }
         for gradient in [gradient, Gradient::Central, Gradient::BSpline] {

@@ -4,7 +4,9 @@ use std::time::{Duration, Instant};
 
 use bytemuck::{Pod, bytes_of, cast_slice};
 use pellucid_field::{Filter, Gradient};
-use pellucid_scene::{BLUE_NOISE_TILE, BlockContent, BlockMap, Control, Frame as Picture, Stage, StageVolume, blue_noise};
+use pellucid_scene::{
+    BLUE_NOISE_TILE, BlockContent, BlockMap, Control, Frame as Picture, Stage, StageVolume, blue_noise,
+};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindingResource, Buffer, BufferBinding,
