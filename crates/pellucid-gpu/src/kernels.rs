@@ -1,6 +1,7 @@
 //! Filters and gradients as shaders take them: the structure of `kernel.wgsl`.
 
 use pellucid_field::{Filter, Gradient, Kernel};
+use pellucid_scene::SAMPLES_PER_LOOK;
 
 type Four = [f32; 4];
 
@@ -25,6 +26,17 @@ impl Kernels {
     /// Filter and gradient of a stage. What is classified before it is interpolated is read as told.
     pub fn new(filter: Filter, gradient: Gradient, classified: [f64; 2]) -> Self {
         Self { filter, gradient, classified }
+    }
+
+    /// Looks at the blocks after which a pass must end, so that its loops have not too many rounds: Mesa's
+    /// software driver ends all loops of an invocation after 65,535 of them, without a word, and other
+    /// drivers take long ones for a hang.
+    pub fn most_looks(&self) -> u32 {
+        const ROUNDS: usize = 40_000;
+        let values = Kernel::of_filter(self.filter).map_or(2, |kernel| kernel.taps());
+        let slopes = Kernel::of_gradient(self.filter, self.gradient)[0].taps();
+        let sample = values.pow(3) / 4 + values.pow(2) + slopes.pow(3) + slopes.pow(2);
+        (ROUNDS / (SAMPLES_PER_LOOK * sample)).max(1) as u32
     }
 
     /// The structure's numbers.
@@ -88,7 +100,7 @@ mod tests {
         assert_eq!(Kernel::of_gradient(filter, gradient)[0].taps(), MOST_GRADIENT_TAPS);
         assert_eq!(stencil(gradient).len(), MOST_STENCIL);
         let source = include_str!("shaders/kernel.wgsl");
-        for text in ["vec4<f32>, 19>", "vec4<f32>, 252>", "MOST_TAPS: u32 = 16u", "MOST_GRADIENT_TAPS: u32 = 34u"] {
+        for text in ["vec4<f32>, 19>", "vec4<f32>, 252>", "MOST_FOURS: u32 = 4u", "MOST_GRADIENT_TAPS: u32 = 34u"] {
             assert!(source.contains(text), "{text}");
         }
         for gradient in [gradient, Gradient::Central, Gradient::BSpline] {

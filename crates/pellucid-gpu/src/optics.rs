@@ -42,7 +42,9 @@ impl<'a> Optics<'a> {
             Mode::Isosurface(surfaces) => levels(surfaces, &volume.transfer_function),
             _ => Vec::new(),
         };
-        Self { pass, opaque, tables, entries, nodes: *nodes, blocks: tables.blocks.as_ref(), levels }
+        // A plane is met once: there is nothing to leap over.
+        let blocks = tables.blocks.as_ref().filter(|_| pass != Pass::Slice);
+        Self { pass, opaque, tables, entries, nodes: *nodes, blocks, levels }
     }
 }
 

@@ -96,6 +96,8 @@ pub struct RayCaster<'a> {
     resolve: Pipeline,
     table: BindGroup,
     kernels: Option<Buffer>,
+    /// Most looks at the blocks in a pass.
+    most_looks: u32,
     /// If the texture unit interpolates.
     sampler: Option<Sampler>,
     /// Frame, planes, lights.
@@ -119,6 +121,8 @@ impl<'a> RayCaster<'a> {
         let region = stage.region(volume);
         let (filter, gradient) = (optics.tables.filter, stage.quality.gradient);
         let encoding = resident.field().encoding;
+        let kernels = filter != Filter::Linear || (gradient != Gradient::Central && lights(stage.mode()));
+        let kernels = kernels.then(|| Kernels::new(filter, gradient, resident.voxels().data()));
         let variant = Variant {
             pass: optics.pass,
             hardware: interpolation == Interpolation::Hardware && encoding.filterable && filter == Filter::Linear,
@@ -128,8 +132,9 @@ impl<'a> RayCaster<'a> {
             shaded: volume.material.is_some() && lights(stage.mode()),
             weighted: volume.gradient_weight.is_some(),
             opaque: optics.opaque,
-            wavefront: passes == Passes::Wavefront,
-            kernels: filter != Filter::Linear || (gradient != Gradient::Central && lights(stage.mode())),
+            // The many rounds of wide kernels are for several passes.
+            wavefront: passes == Passes::Wavefront || kernels.is_some(),
+            kernels: kernels.is_some(),
             strides: optics.blocks.is_some_and(|blocks| blocks.levels.is_some()),
         }
         .canonical();
@@ -145,10 +150,10 @@ impl<'a> RayCaster<'a> {
             storage(device, "planes", &uniforms::planes(&region, grid)),
             storage(device, "lights", &lights),
         ];
-        let kernels = variant.kernels.then(|| {
-            let kernels = Kernels::new(filter, gradient, resident.voxels().data()).to_fours();
-            device.buffer("kernels", cast_slice(&kernels), BufferUsages::UNIFORM)
-        });
+        let most_looks = kernels.as_ref().filter(|_| variant.kernels).map_or(u32::MAX, Kernels::most_looks);
+        let kernels = kernels
+            .filter(|_| variant.kernels)
+            .map(|kernels| device.buffer("kernels", cast_slice(&kernels.to_fours()), BufferUsages::UNIFORM));
         let resolve = pipelines.get(device, Variant::of(Pass::Resolve))?.clone();
         let march = pipelines.get(device, variant)?.clone();
         let table = device.device.create_bind_group(&BindGroupDescriptor {
@@ -168,6 +173,7 @@ impl<'a> RayCaster<'a> {
             resolve,
             table,
             kernels,
+            most_looks,
             sampler: variant.hardware.then(|| sampler(device)),
             parts,
         })
@@ -283,7 +289,7 @@ impl<'a> RayCaster<'a> {
         let brick = &self.bricks[number];
         let four = |[x, y, z]: [usize; 3], w| [x as u32, y as u32, z as u32, w];
         uniforms::Pass {
-            rows: [row, rows, sub as u32, u32::MAX],
+            rows: [row, rows, sub as u32, self.most_looks],
             texture_low: four(brick.voxels.low, u32::from(number == 0)),
             core_low: four(brick.core.low, 0),
             core_high: four(brick.core.high, 0),
@@ -314,7 +320,7 @@ impl<'a> RayCaster<'a> {
                     return Err(GpuError::Cancelled);
                 }
                 let pass = uniforms::Pass {
-                    rows: [row, rows, sub, pace.looks()],
+                    rows: [row, rows, sub, pace.looks(self.most_looks)],
                     texture_low: [0, 0, 0, u32::from(left.is_none())],
                     core_low: [0, 0, 0, list],
                     core_high: [0, 0, 0, capacity],

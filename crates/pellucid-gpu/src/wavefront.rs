@@ -72,9 +72,9 @@ impl Pace {
     /// A pass shall take between half of this and this.
     const GOAL: Duration = Duration::from_millis(30);
 
-    /// Looks at the blocks, and runs of samples after them.
-    pub fn looks(&self) -> u32 {
-        self.0
+    /// Looks at the blocks, and runs of samples after them; at most so many.
+    pub fn looks(&self, most: u32) -> u32 {
+        self.0.min(most)
     }
 
     /// What a pass took.

@@ -4,7 +4,7 @@
 #import pellucid::frame::{frame, bounds}
 #import pellucid::ray::planes
 #ifdef KERNELS
-#import pellucid::kernel::{kernels, weight, MOST_TAPS, MOST_GRADIENT_TAPS}
+#import pellucid::kernel::{kernels, weight, MOST_FOURS, MOST_GRADIENT_TAPS}
 #endif
 
 @group(1) @binding(0) var volume: texture_3d<f32>;
@@ -120,9 +120,10 @@ fn filtered(q: vec3<f32>, nearest: f32) -> f32 {
     let v = q - cell - 0.5;
     let first = vec3<i32>(cell) + 1 - i32(taps / 2u);
     let last = last_voxel();
-    var along: array<f32, MOST_TAPS>;
+    // Rows are read four voxels at a time; what a row has too few of has no weight.
+    var along: array<vec4<f32>, MOST_FOURS>;
     for (var i = 0u; i < taps; i += 1u) {
-        along[i] = weight(i, v.x);
+        along[i / 4u][i % 4u] = weight(i, v.x);
     }
     var sum = 0.0;
     for (var k = 0u; k < taps; k += 1u) {
@@ -131,9 +132,15 @@ fn filtered(q: vec3<f32>, nearest: f32) -> f32 {
         for (var j = 0u; j < taps; j += 1u) {
             let y = clamp(first.y + i32(j), 0, last.y);
             var row = 0.0;
-            for (var i = 0u; i < taps; i += 1u) {
-                let x = clamp(first.x + i32(i), 0, last.x);
-                row += along[i] * (voxel_or(vec3<i32>(x, y, z), nearest) - nearest);
+            for (var i = 0u; i < taps; i += 4u) {
+                let x = clamp(vec4<i32>(first.x + i32(i)) + vec4<i32>(0, 1, 2, 3), vec4<i32>(0), vec4<i32>(last.x));
+                let stored = vec4<f32>(
+                    voxel_or(vec3<i32>(x.x, y, z), nearest),
+                    voxel_or(vec3<i32>(x.y, y, z), nearest),
+                    voxel_or(vec3<i32>(x.z, y, z), nearest),
+                    voxel_or(vec3<i32>(x.w, y, z), nearest),
+                );
+                row += dot(along[i / 4u], stored - nearest);
             }
             slice += weight(j, v.y) * row;
         }

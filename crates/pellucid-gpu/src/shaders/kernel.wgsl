@@ -21,8 +21,8 @@ struct Kernels {
 
 @group(1) @binding(3) var<uniform> kernels: Kernels;
 
-// The most taps of a filter and of a gradient.
-const MOST_TAPS: u32 = 16u;
+// The most taps of a filter, in fours, and of a gradient.
+const MOST_FOURS: u32 = 4u;
 const MOST_GRADIENT_TAPS: u32 = 34u;
 
 // The weight with a number, for `v = u - 1/2`.
