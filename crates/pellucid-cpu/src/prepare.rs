@@ -15,9 +15,17 @@ use crate::stride;
 /// settings.
 #[derive(Default)]
 pub struct Cache {
-    blocks: Option<(Arc<Volume>, usize, usize, Arc<Blocks>)>,
+    blocks: Option<(Arc<Volume>, usize, Margin, Arc<Blocks>)>,
+    extremes: Option<(Arc<Blocks>, bool, Arc<ExtremeGrid>)>,
     coefficients: Option<(Arc<Volume>, usize, Arc<Volume>)>,
     tables: Option<(Settings, Arc<Tables>)>,
+}
+
+/// How far a filter sees beyond a cell, in voxels, and its samples leave the range of what it sees.
+#[derive(Clone, Copy, PartialEq)]
+struct Margin {
+    reach: usize,
+    overshoot: f64,
 }
 
 /// Everything that tables depend on.
@@ -32,13 +40,28 @@ struct Settings {
 }
 
 impl Cache {
-    fn blocks(&mut self, volume: &Arc<Volume>, component: usize, reach: usize) -> Result<Arc<Blocks>, FieldError> {
+    fn blocks(&mut self, volume: &Arc<Volume>, component: usize, margin: Margin) -> Result<Arc<Blocks>, FieldError> {
         match &self.blocks {
-            Some((v, c, r, blocks)) if Arc::ptr_eq(v, volume) && *c == component && *r == reach => Ok(blocks.clone()),
+            Some((v, c, m, blocks)) if Arc::ptr_eq(v, volume) && *c == component && *m == margin => Ok(blocks.clone()),
             _ => {
-                let blocks = Arc::new(Blocks::new(volume, component, Blocks::CELLS, reach)?);
-                self.blocks = Some((volume.clone(), component, reach, blocks.clone()));
+                let mut blocks = Blocks::new(volume, component, Blocks::CELLS, margin.reach)?;
+                if margin.overshoot > 0.0 {
+                    blocks = blocks.overshot(margin.overshoot);
+                }
+                let blocks = Arc::new(blocks);
+                self.blocks = Some((volume.clone(), component, margin, blocks.clone()));
                 Ok(blocks)
+            }
+        }
+    }
+
+    fn extremes(&mut self, blocks: &Arc<Blocks>, minimum: bool) -> Arc<ExtremeGrid> {
+        match &self.extremes {
+            Some((of, least, grid)) if Arc::ptr_eq(of, blocks) && *least == minimum => grid.clone(),
+            _ => {
+                let grid = Arc::new(ExtremeGrid::new(blocks, minimum));
+                self.extremes = Some((blocks.clone(), minimum, grid.clone()));
+                grid
             }
         }
     }
@@ -95,7 +118,7 @@ pub struct Tables {
     /// Blocks that can contribute, for modes that know.
     pub skip: Option<SkipGrid>,
     /// Extremes of blocks, for modes that project one.
-    pub extremes: Option<ExtremeGrid>,
+    pub extremes: Option<Arc<ExtremeGrid>>,
 }
 
 impl Tables {
@@ -125,12 +148,8 @@ impl Tables {
         let blocks = quality.empty_space_skipping.then(|| bounds(stage, volume, (&field, component, filter), cache));
         let blocks = blocks.transpose()?.flatten();
         let extremes = blocks.as_ref().and_then(|blocks| match mode(stage) {
-            Mode::Minimum | Mode::Slice(Slice { combine: Combine::Minimum, .. }) => {
-                Some(ExtremeGrid::new(blocks, true))
-            }
-            Mode::Maximum | Mode::Slice(Slice { combine: Combine::Maximum, .. }) => {
-                Some(ExtremeGrid::new(blocks, false))
-            }
+            Mode::Minimum | Mode::Slice(Slice { combine: Combine::Minimum, .. }) => Some(cache.extremes(blocks, true)),
+            Mode::Maximum | Mode::Slice(Slice { combine: Combine::Maximum, .. }) => Some(cache.extremes(blocks, false)),
             _ => None,
         });
         let mut skip = blocks.as_ref().and_then(|blocks| match mode(stage) {
@@ -230,14 +249,13 @@ fn bounds(
     const FURTHEST: f64 = 4.0;
     let reach = filter.half_width() - 1;
     if matches!(mode(stage), Mode::Composite) && stage.quality.classification == Classification::Pre {
-        return cache.blocks(&volume.volume, volume.component, reach).map(Some);
+        return cache.blocks(&volume.volume, volume.component, Margin { reach, overshoot: 0.0 }).map(Some);
     }
     let overshoot = filter.overshoot();
     if overshoot > FURTHEST {
         return Ok(None);
     }
-    let blocks = cache.blocks(field, component, reach)?;
-    Ok(Some(if overshoot > 0.0 { Arc::new(blocks.overshot(overshoot)) } else { blocks }))
+    cache.blocks(field, component, Margin { reach, overshoot }).map(Some)
 }
 
 /// The clips of a volume and, for a thick slice, the planes of its slab.
