@@ -158,7 +158,7 @@ impl Prepared<'_> {
         minimum: bool,
         opaque: bool,
     ) -> Box<dyn Integrator + 'a> {
-        let skip = self.grids.extremes.as_ref();
+        let skip = self.grids.extremes.as_deref();
         Box::new(Extreme { s, field, table: Lookup::of_table(&self.tables.table), skip, minimum, opaque })
     }
 

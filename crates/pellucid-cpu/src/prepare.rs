@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use pellucid_field::Grid;
-use pellucid_scene::{BlockContent, Region, Stage, StageVolume, TableCache, Tables};
+use pellucid_scene::{BlockContent, BlockMap, Region, Stage, StageVolume, TableCache, Tables};
 
 use crate::RenderError;
 use crate::skip::{ExtremeGrid, SkipGrid};
@@ -14,14 +14,38 @@ use crate::skip::{ExtremeGrid, SkipGrid};
 pub struct Cache {
     tables: TableCache,
     grids: Option<(Arc<Tables>, Arc<Grids>)>,
+    extremes: Option<(Arc<Vec<f32>>, Arc<ExtremeGrid>)>,
 }
 
 impl Cache {
+    fn new_grids(&mut self, tables: &Tables) -> Grids {
+        let (mut skip, mut extremes) = (None, None);
+        if let Some(blocks) = &tables.blocks {
+            match &blocks.content {
+                BlockContent::Distances(distances) => skip = Some(SkipGrid::new(blocks, distances)),
+                BlockContent::Extremes(values) => extremes = Some(self.extremes(blocks, values)),
+            }
+        }
+        Grids { skip, extremes }
+    }
+
+    /// Extremes depend on the data alone and are kept when optics change.
+    fn extremes(&mut self, blocks: &BlockMap, values: &Arc<Vec<f32>>) -> Arc<ExtremeGrid> {
+        match &self.extremes {
+            Some((of, grid)) if Arc::ptr_eq(of, values) => grid.clone(),
+            _ => {
+                let grid = Arc::new(ExtremeGrid::new(blocks, values));
+                self.extremes = Some((values.clone(), grid.clone()));
+                grid
+            }
+        }
+    }
+
     fn grids(&mut self, tables: &Arc<Tables>) -> Arc<Grids> {
         match &self.grids {
             Some((of, grids)) if Arc::ptr_eq(of, tables) => grids.clone(),
             _ => {
-                let grids = Arc::new(Grids::new(tables));
+                let grids = Arc::new(self.new_grids(tables));
                 self.grids = Some((tables.clone(), grids.clone()));
                 grids
             }
@@ -34,20 +58,7 @@ pub struct Grids {
     /// Blocks that can contribute, for modes that know.
     pub skip: Option<SkipGrid>,
     /// Extremes of blocks, for modes that project one.
-    pub extremes: Option<ExtremeGrid>,
-}
-
-impl Grids {
-    fn new(tables: &Tables) -> Self {
-        let (mut skip, mut extremes) = (None, None);
-        if let Some(blocks) = &tables.blocks {
-            match &blocks.content {
-                BlockContent::Distances(distances) => skip = Some(SkipGrid::new(blocks, distances)),
-                BlockContent::Extremes(values) => extremes = Some(ExtremeGrid::new(blocks, values)),
-            }
-        }
-        Self { skip, extremes }
-    }
+    pub extremes: Option<Arc<ExtremeGrid>>,
 }
 
 /// A volume and its optics, made ready for one stage.

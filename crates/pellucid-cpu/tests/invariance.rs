@@ -3,10 +3,12 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::{render, set_mode, stage, transfer_function, unit_volume};
 use glam::DVec3;
 use pellucid_cpu::CpuRenderer;
-use pellucid_field::Volume;
+use pellucid_field::{Filter, Volume};
 use pellucid_scene::{
     Classification, Combine, Control, Frame, Isosurface, Isovalue, Jitter, Mode, Orbit, Projection, Scene, Slice, View,
 };
@@ -92,6 +94,31 @@ proptest! {
         );
         prop_assert!(same(&on, &off), "{} samples with skipping, {} without", on.statistics.samples, off.statistics.samples);
         prop_assert!(on.statistics.samples <= off.statistics.samples + off.statistics.rays);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+    /// A renderer that keeps tables and blocks from other settings draws what a new one does.
+    #[test]
+    fn what_is_kept_from_frame_to_frame_changes_no_bit(
+        edits in prop::collection::vec((modes(), 0usize..3, 0usize..2, 0.2..0.6f64), 12),
+    ) {
+        let volumes = [3, 8].map(|seed| Arc::new(blobs([26, 19, 22], seed)));
+        let filters = [Filter::Linear, Filter::CATMULL_ROM, Filter::BSpline { prefilter: true }];
+        let mut kept = CpuRenderer::new();
+        for ((mode, classification), filter, volume, from) in edits {
+            let opacities = [(0.0, 0.0), (from, 0.0), (from + 0.1, 0.5)];
+            let tf = transfer_function(&[(0.0, 0x2040ff), (1.0, 0xffe0c0)], &opacities);
+            let mut stage = stage(Volume::clone(&volumes[volume]), tf, |scene| {
+                set_mode(scene, mode.clone());
+                scene.quality.classification = classification;
+                scene.quality.filter = filters[filter];
+            });
+            stage.volumes[0].volume = volumes[volume].clone();
+            let drawn = kept.render(&stage, &Control::default()).unwrap();
+            prop_assert!(same(&drawn, &render(&stage)), "{mode:?} {classification:?} {filter} {volume} {from}");
+        }
     }
 }
 

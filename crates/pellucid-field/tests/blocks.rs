@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use half::f16;
-use pellucid_field::{Blocks, FieldError, Grid, ValueMap, Volume, Voxel, Voxels};
+use pellucid_field::{Blocks, FieldError, Filter, Grid, Sampler, SincWindow, ValueMap, Volume, Voxel, Voxels};
 use proptest::prelude::*;
 
 /// Values of any kind, some of them absent in float types.
@@ -76,6 +76,55 @@ proptest! {
             check(&make(dims, components, map, seed), components - 1, size, reach)
         });
     }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(128))]
+    /// Whatever lies in a block, holes and all, no sample leaves its range by more than a filter's share.
+    #[test]
+    fn overshot_ranges_hold_the_samples_of_their_filter(
+        dims in [6usize..12, 6usize..12, 6usize..12],
+        size in 1usize..5,
+        filter in prop::sample::select(vec![
+            Filter::CATMULL_ROM,
+            Filter::MITCHELL,
+            Filter::Sinc { window: SincWindow::Lanczos, half_width: 3 },
+            Filter::Sinc { window: SincWindow::Blackman, half_width: 2 },
+        ]),
+        at in prop::collection::vec([0.0..1.0f64, 0.0..1.0f64, 0.0..1.0f64], 60),
+        seed: u64,
+    ) {
+        let volume = volume::<f32>(dims, 1, ValueMap { scale: -0.3, offset: 7.0 }, seed);
+        let blocks = Blocks::new(&volume, 0, size, filter.half_width() - 1).unwrap().overshot(filter.overshoot());
+        let sampler = Sampler::new(&volume, 0, filter).unwrap();
+        for share in at {
+            let index = DVec3::from_array(share) * DVec3::from_array(dims.map(|n| (n - 1) as f64));
+            let value = sampler.value(index);
+            let range = blocks.range(blocks.block_at(index));
+            if value.is_finite() {
+                let [low, high] = range.unwrap().map(f64::from);
+                prop_assert!((low..=high).contains(&value), "{filter:?} at {index}: {value} in {low}..={high}");
+            }
+        }
+    }
+}
+
+/// Voxels of 1 under positive weights of the middle of a cell and 0 under negative ones: the share is
+/// reached, so it is no larger than it must be.
+#[test]
+fn ranges_overshoot_by_the_share_and_no_further() {
+    let ones = |i: usize| (0..3).filter(|axis| matches!(i / 4usize.pow(*axis) % 4, 0 | 3)).count() % 2 == 0;
+    let values: Vec<f32> = (0..64).map(|i| f32::from(u8::from(ones(i)))).collect();
+    let volume = Volume::new(Grid::new([4, 4, 4]).unwrap(), Voxels::from(values)).unwrap();
+    let filter = Filter::CATMULL_ROM;
+    let blocks = Blocks::new(&volume, 0, 4, 1).unwrap();
+    let middle = Sampler::new(&volume, 0, filter).unwrap().value(DVec3::splat(1.5));
+    let [low, high] = blocks.overshot(filter.overshoot()).ranges()[0].map(f64::from);
+    assert!((middle..middle + 2e-3).contains(&high), "{middle} and {high}");
+    assert!((low - (1.0 - high)).abs() < 1e-6, "{low} and {high}");
+    assert_eq!(blocks.overshot(0.0), blocks);
+    let nothing = Volume::new(Grid::new([2, 2, 2]).unwrap(), Voxels::from(vec![f32::NAN; 8])).unwrap();
+    assert_eq!(Blocks::new(&nothing, 0, 4, 1).unwrap().overshot(0.5).ranges(), [Blocks::ABSENT]);
 }
 
 #[test]

@@ -100,12 +100,12 @@ mod tests {
         assert_eq!(Kernel::of_gradient(filter, gradient)[0].taps(), MOST_GRADIENT_TAPS);
         assert_eq!(stencil(gradient).len(), MOST_STENCIL);
         let source = include_str!("shaders/kernel.wgsl");
-        for text in ["vec4<f32>, 19>", "vec4<f32>, 252>", "MOST_FOURS: u32 = 4u", "MOST_GRADIENT_TAPS: u32 = 34u"] {
+        for text in ["vec4<f32>, 19>", "vec4<f32>, 336>", "MOST_FOURS: u32 = 4u", "MOST_GRADIENT_TAPS: u32 = 34u"] {
             assert!(source.contains(text), "{text}");
         }
         for gradient in [gradient, Gradient::Central, Gradient::BSpline] {
             let fours = Kernels::new(filter, gradient, [1.0, 0.0]).to_fours();
-            assert_eq!(fours.len(), 3 + 19 + 252);
+            assert_eq!(fours.len(), 3 + 19 + 336);
         }
     }
 }

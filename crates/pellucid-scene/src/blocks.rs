@@ -1,6 +1,8 @@
 //! What blocks of the data tell rays: where nothing can be seen (7.3-6), where nothing exceeds what was
 //! found, and where longer steps will do (7.3-3).
 
+use std::sync::Arc;
+
 use pellucid_field::{Blocks, distances};
 
 /// What rays ask of blocks, x fastest.
@@ -20,7 +22,7 @@ pub enum BlockContent {
     /// How many blocks away the next one is that can contribute; 0 if the block itself can.
     Distances(Vec<u8>),
     /// The largest value, or the smallest with its sign turned; negative infinity where there is none.
-    Extremes(Vec<f32>),
+    Extremes(Arc<Vec<f32>>),
 }
 
 impl BlockContent {
@@ -36,11 +38,11 @@ impl BlockContent {
     }
 
     /// The largest values, or the smallest with their signs turned.
-    pub(crate) fn extremes(blocks: &Blocks, minimum: bool) -> Self {
+    pub(crate) fn extremes(blocks: &Blocks, minimum: bool) -> Arc<Vec<f32>> {
         let extreme = |&range: &[f32; 2]| {
             let [low, high] = Blocks::interpolated(range);
             if minimum { -low } else { high }
         };
-        Self::Extremes(blocks.ranges().iter().map(extreme).collect())
+        Arc::new(blocks.ranges().iter().map(extreme).collect())
     }
 }

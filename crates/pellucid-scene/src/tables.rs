@@ -26,9 +26,17 @@ pub enum TableError {
 pub struct TableCache {
     /// Most blocks per axis.
     most_blocks: usize,
-    blocks: Option<(Arc<Volume>, usize, usize, Arc<Blocks>)>,
+    blocks: Option<(Arc<Volume>, usize, Margin, Arc<Blocks>)>,
+    extremes: Option<(Arc<Blocks>, bool, Arc<Vec<f32>>)>,
     coefficients: Option<(Arc<Volume>, usize, Arc<Volume>)>,
     tables: Option<(Settings, Arc<Tables>)>,
+}
+
+/// How far a filter sees beyond a cell, in voxels, and its samples leave the range of what it sees.
+#[derive(Clone, Copy, PartialEq)]
+struct Margin {
+    reach: usize,
+    overshoot: f64,
 }
 
 /// Everything that tables depend on.
@@ -52,7 +60,7 @@ impl TableCache {
     /// A cache whose block maps have at most so many blocks per axis: they are larger where there would
     /// be more.
     pub fn with_most_blocks(most_blocks: usize) -> Self {
-        Self { most_blocks: most_blocks.max(1), blocks: None, coefficients: None, tables: None }
+        Self { most_blocks: most_blocks.max(1), blocks: None, extremes: None, coefficients: None, tables: None }
     }
 
     /// The tables of a volume of a stage: the last ones, if nothing they depend on has changed.
@@ -78,17 +86,33 @@ impl TableCache {
         }
     }
 
-    fn blocks(&mut self, volume: &Arc<Volume>, component: usize, reach: usize) -> Result<Arc<Blocks>, FieldError> {
+    fn blocks(&mut self, volume: &Arc<Volume>, component: usize, margin: Margin) -> Result<Arc<Blocks>, FieldError> {
         match &self.blocks {
-            Some((v, c, r, blocks)) if Arc::ptr_eq(v, volume) && *c == component && *r == reach => Ok(blocks.clone()),
+            Some((v, c, m, blocks)) if Arc::ptr_eq(v, volume) && *c == component && *m == margin => Ok(blocks.clone()),
             _ => {
                 let cells = volume.grid().dims().into_iter().max().unwrap_or(1);
                 let size = Blocks::CELLS.max(cells.div_ceil(self.most_blocks).next_power_of_two());
-                let blocks = Arc::new(Blocks::new(volume, component, size, reach)?);
-                self.blocks = Some((volume.clone(), component, reach, blocks.clone()));
+                let mut blocks = Blocks::new(volume, component, size, margin.reach)?;
+                if margin.overshoot > 0.0 {
+                    blocks = blocks.overshot(margin.overshoot);
+                }
+                let blocks = Arc::new(blocks);
+                self.blocks = Some((volume.clone(), component, margin, blocks.clone()));
                 Ok(blocks)
             }
         }
+    }
+
+    fn extremes(&mut self, blocks: &Arc<Blocks>, minimum: bool) -> BlockContent {
+        let values = match &self.extremes {
+            Some((of, least, values)) if Arc::ptr_eq(of, blocks) && *least == minimum => values.clone(),
+            _ => {
+                let values = BlockContent::extremes(blocks, minimum);
+                self.extremes = Some((blocks.clone(), minimum, values.clone()));
+                values
+            }
+        };
+        BlockContent::Extremes(values)
     }
 
     fn coefficients(&mut self, volume: &Arc<Volume>, component: usize) -> Result<Arc<Volume>, FieldError> {
@@ -153,12 +177,8 @@ impl Tables {
         let ranges = ranges.transpose()?.flatten();
         let mut blocks = ranges.as_ref().and_then(|ranges| {
             let content = match stage.mode() {
-                Mode::Minimum | Mode::Slice(Slice { combine: Combine::Minimum, .. }) => {
-                    BlockContent::extremes(ranges, true)
-                }
-                Mode::Maximum | Mode::Slice(Slice { combine: Combine::Maximum, .. }) => {
-                    BlockContent::extremes(ranges, false)
-                }
+                Mode::Minimum | Mode::Slice(Slice { combine: Combine::Minimum, .. }) => cache.extremes(ranges, true),
+                Mode::Maximum | Mode::Slice(Slice { combine: Combine::Maximum, .. }) => cache.extremes(ranges, false),
                 Mode::Composite | Mode::Additive | Mode::XRay => BlockContent::distances(ranges, visible),
                 Mode::Isosurface(isosurface) => {
                     let levels: Vec<f32> = isosurface.isovalues.iter().map(|iso| iso.value as f32).collect();
@@ -206,12 +226,11 @@ fn bounds(
     const FURTHEST: f64 = 4.0;
     let reach = filter.half_width() - 1;
     if stage.classifies_voxels() {
-        return cache.blocks(&volume.volume, volume.component, reach).map(Some);
+        return cache.blocks(&volume.volume, volume.component, Margin { reach, overshoot: 0.0 }).map(Some);
     }
     let overshoot = filter.overshoot();
     if overshoot > FURTHEST {
         return Ok(None);
     }
-    let blocks = cache.blocks(field, component, reach)?;
-    Ok(Some(if overshoot > 0.0 { Arc::new(blocks.overshot(overshoot)) } else { blocks }))
+    cache.blocks(field, component, Margin { reach, overshoot }).map(Some)
 }

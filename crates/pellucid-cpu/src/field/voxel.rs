@@ -332,18 +332,24 @@ mod tests {
         );
     }
 
+    /// Numbers over the whole range of every type: what is read with the wrong sign is seen.
     #[test]
     fn quads_are_the_voxels_around() {
-        let numbers = |n: usize| (0..n).map(|i| (i * 37 % 101) as f32 - 30.0);
+        let shares = |n: usize| (0..n).map(|i| (i * 37 % 101) as f64 / 100.0);
+        fn spread<T: Voxel>(shares: impl Iterator<Item = f64>, low: f64, high: f64) -> Vec<T> {
+            shares.map(|share| T::from_f64((low + share * (high - low)).round())).collect()
+        }
         for set in InstructionSet::ALL.into_iter().filter_map(InstructionSet::resolve) {
             for n in [4, 5, 40] {
                 dispatch!(set, s => {
-                    check(s, &numbers(n).map(|v| v as u8).collect::<Vec<_>>());
-                    check(s, &numbers(n).map(|v| v as i8).collect::<Vec<_>>());
-                    check(s, &numbers(n).map(|v| (v * 900.0) as u16).collect::<Vec<_>>());
-                    check(s, &numbers(n).map(|v| (v * 900.0) as i16).collect::<Vec<_>>());
-                    check(s, &numbers(n).map(f16::from_f32).collect::<Vec<_>>());
-                    check(s, &numbers(n).collect::<Vec<_>>());
+                    check(s, &spread::<u8>(shares(n), 0.0, 255.0));
+                    check(s, &spread::<i8>(shares(n), -128.0, 127.0));
+                    check(s, &spread::<u16>(shares(n), 0.0, 65535.0));
+                    check(s, &spread::<i16>(shares(n), -32768.0, 32767.0));
+                    check(s, &spread::<u32>(shares(n), 0.0, f64::from(u32::MAX)));
+                    check(s, &spread::<i32>(shares(n), f64::from(i32::MIN), f64::from(i32::MAX)));
+                    check(s, &spread::<f16>(shares(n), -30000.0, 30000.0));
+                    check(s, &spread::<f32>(shares(n), -1e6, 1e6));
                 });
             }
         }

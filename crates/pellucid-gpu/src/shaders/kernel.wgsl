@@ -14,9 +14,9 @@ struct Kernels {
     classified: vec4<f32>,
     // Weights of samples one voxel apart: smoothing across an axis, derivative along it.
     stencil: array<vec4<f32>, 19>,
-    // Three for every weight, the lowest power first: the filter's, then the gradient's across an axis,
+    // Four for every weight, the lowest power first: the filter's, then the gradient's across an axis,
     // then along it.
-    polynomials: array<vec4<f32>, 252>,
+    polynomials: array<vec4<f32>, 336>,
 }
 
 @group(1) @binding(3) var<uniform> kernels: Kernels;
@@ -27,12 +27,14 @@ const MOST_GRADIENT_TAPS: u32 = 34u;
 
 // The weight with a number, for `v = u - 1/2`.
 fn weight(number: u32, v: f32) -> f32 {
-    let low = kernels.polynomials[3u * number];
+    let low = kernels.polynomials[4u * number];
     var high = 0.0;
     if kernels.flags.z != 0u {
-        let b = kernels.polynomials[3u * number + 1u];
-        let c = kernels.polynomials[3u * number + 2u];
-        high = b.x + v * (b.y + v * (b.z + v * (b.w + v * (c.x + v * c.y))));
+        let b = kernels.polynomials[4u * number + 1u];
+        let c = kernels.polynomials[4u * number + 2u];
+        let d = kernels.polynomials[4u * number + 3u];
+        high = c.x + v * (c.y + v * (c.z + v * (c.w + v * d.x)));
+        high = b.x + v * (b.y + v * (b.z + v * (b.w + v * high)));
     }
     return low.x + v * (low.y + v * (low.z + v * (low.w + v * high)));
 }
