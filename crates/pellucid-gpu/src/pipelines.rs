@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::num::NonZeroU64;
 
 use wgpu::{
@@ -35,12 +36,14 @@ impl Pipelines {
     /// [`GpuError::Shader`], or what the device reports.
     pub fn get(&mut self, device: &Device, variant: Variant) -> Result<&Pipeline, GpuError> {
         let variant = variant.canonical();
-        if !self.0.contains_key(&variant) {
-            let pipeline = make(device, &variant)?;
-            device.check()?;
-            self.0.insert(variant, pipeline);
-        }
-        Ok(&self.0[&variant])
+        Ok(match self.0.entry(variant) {
+            Entry::Occupied(found) => found.into_mut(),
+            Entry::Vacant(place) => {
+                let pipeline = make(device, &variant)?;
+                device.check()?;
+                place.insert(pipeline)
+            }
+        })
     }
 }
 

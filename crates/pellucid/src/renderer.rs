@@ -77,7 +77,7 @@ pub struct Renderer {
 }
 
 enum Engine {
-    Cpu(CpuRenderer),
+    Cpu(Box<CpuRenderer>),
     #[cfg(feature = "gpu")]
     Gpu(Box<GpuRenderer>),
 }
@@ -100,7 +100,7 @@ impl Default for Renderer {
 
 impl From<CpuRenderer> for Renderer {
     fn from(renderer: CpuRenderer) -> Self {
-        Engine::Cpu(renderer).into()
+        Engine::Cpu(Box::new(renderer)).into()
     }
 }
 
@@ -137,7 +137,7 @@ impl Renderer {
         let cpu = CpuRenderer::with_threads(threads)?;
         let renderer = Self::new(backend)?;
         Ok(if matches!(renderer.engine, Engine::Cpu(_)) {
-            Self { engine: Engine::Cpu(cpu), ..renderer }
+            Self { engine: Engine::Cpu(Box::new(cpu)), ..renderer }
         } else {
             renderer
         })
@@ -150,7 +150,7 @@ impl Renderer {
     /// [`RenderError::Cpu`] if the machine lacks them.
     pub fn with_instructions(self, set: InstructionSet) -> Result<Self, RenderError> {
         let engine = match self.engine {
-            Engine::Cpu(cpu) => Engine::Cpu(cpu.with_instructions(set)?),
+            Engine::Cpu(cpu) => Engine::Cpu(Box::new(cpu.with_instructions(set)?)),
             #[cfg(feature = "gpu")]
             engine @ Engine::Gpu(_) => engine,
         };
