@@ -3,7 +3,6 @@
 use std::num::NonZeroU64;
 
 use bytemuck::bytes_of;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages};
 
 use crate::Device;
@@ -25,9 +24,7 @@ impl PassBuffer {
             contents.extend_from_slice(bytes_of(&pass));
             contents.resize(contents.len().next_multiple_of(stride), 0);
         }
-        let descriptor =
-            BufferInitDescriptor { label: Some("passes"), contents: &contents, usage: BufferUsages::UNIFORM };
-        Self { buffer: device.device.create_buffer_init(&descriptor), stride }
+        Self { buffer: device.buffer("passes", &contents, BufferUsages::UNIFORM), stride }
     }
 
     /// Where pass `number` is.

@@ -29,7 +29,9 @@ fn changed(volume: &Volume, part: Part) -> Arc<Volume> {
 #[test]
 fn a_part_that_changed_is_there_in_the_next_frame() {
     let old = sample("marschner-lobb", [33, 29, 35], VoxelType::F32);
-    for ceiling in [Ceiling::default(), side(12), Ceiling { memory: Some(200 << 10), ..Ceiling::default() }] {
+    for ceiling in
+        [Ceiling::default(), side(12), Ceiling { memory: Some((4 << 20) + (200 << 10)), ..Ceiling::default() }]
+    {
         let (mut updated, mut fresh) = (gpu(&ceiling), gpu(&ceiling));
         let mut volume = old.clone();
         for (k, part) in [

@@ -103,6 +103,11 @@ impl Device {
     /// # Errors
     /// [`GpuError::Lost`] (which stays), [`GpuError::Memory`] or [`GpuError::Rejected`].
     pub fn check(&self) -> Result<(), GpuError> {
+        let went_wrong = || self.trouble.lock().unwrap_or_else(PoisonError::into_inner).is_some();
+        if went_wrong() {
+            // A device that is gone rejects commands before it is said to be gone.
+            let _ = self.device.poll(PollType::Poll);
+        }
         let mut trouble = self.trouble.lock().unwrap_or_else(PoisonError::into_inner);
         match trouble.clone() {
             None => Ok(()),
