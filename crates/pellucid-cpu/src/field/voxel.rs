@@ -42,8 +42,8 @@ pub type Quad<S> = [<S as Simd>::u32s; 4];
 #[inline(always)]
 unsafe fn bytes<S: Lanes, T>(s: S, data: &[T], offset: I32<S>, d: i32, at_end: bool) -> <S as Simd>::u32s {
     if !at_end {
-        // SAFETY: as the caller's.
-        return unsafe { s.gather::<1>(data.as_ptr().cast::<u8>().offset(d as isize), offset) };
+        // SAFETY: as the caller's. (The base alone may lie before the data, so it must wrap.)
+        return unsafe { s.gather::<1>(data.as_ptr().cast::<u8>().wrapping_offset(d as isize), offset) };
     }
     let zero = whole(s, 0);
     let wanted = offset + d;
@@ -127,7 +127,7 @@ unsafe fn sixteen_bit_quad<S: Lanes, T>(
 ) -> [<S as Simd>::u32s; 2] {
     if !at_end {
         // SAFETY: the caller vouches for four voxels.
-        return unsafe { s.gather_pairs::<2>(data.as_ptr().offset(d as isize - 1).cast(), offset) };
+        return unsafe { s.gather_pairs::<2>(data.as_ptr().wrapping_offset(d as isize - 1).cast(), offset) };
     }
     let wanted = offset + (d - 1);
     let there = wanted.max(whole(s, 0)).min(whole(s, data.len() as i32 - 4));
@@ -154,7 +154,7 @@ pub(super) unsafe fn thirty_two_bit_quad<S: Lanes, T>(
 ) -> Quad<S> {
     if !at_end {
         // SAFETY: the caller vouches for four voxels, so `offset` is not negative.
-        let row = unsafe { s.gather_rows::<0>(data.as_ptr().cast::<f32>().offset(d as isize - 1), offset) };
+        let row = unsafe { s.gather_rows::<0>(data.as_ptr().cast::<f32>().wrapping_offset(d as isize - 1), offset) };
         return rgba!(N => row[N].bitcast());
     }
     let wanted = offset + (d - 1);

@@ -35,7 +35,7 @@ pub trait Lanes: Simd {
             |lane| {
                 let offset = SCALE as isize * offsets[lane] as isize;
                 // SAFETY: the caller vouches for the four bytes of every lane.
-                unsafe { base.offset(offset).cast::<u32>().read_unaligned() }
+                unsafe { base.wrapping_offset(offset).cast::<u32>().read_unaligned() }
             },
         )
     }
@@ -48,7 +48,7 @@ pub trait Lanes: Simd {
     #[inline(always)]
     unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, offsets: Self::i32s) -> [Self::u32s; 2] {
         // SAFETY: as the caller's.
-        unsafe { [self.gather::<SCALE>(base, offsets), self.gather::<SCALE>(base.add(4), offsets)] }
+        unsafe { [self.gather::<SCALE>(base, offsets), self.gather::<SCALE>(base.wrapping_add(4), offsets)] }
     }
 
     /// The four numbers from number `offset << SHIFT` on, for every lane: the first of all lanes, the
@@ -63,7 +63,7 @@ pub trait Lanes: Simd {
         let mut found = [F32::<Self>::splat(self, 0.0); 4];
         for lane in 0..width::<Self>() {
             // SAFETY: the caller vouches for the row of every lane.
-            let row = unsafe { base.add(numbers[lane] as usize).cast::<[f32; 4]>().read() };
+            let row = unsafe { base.wrapping_add(numbers[lane] as usize).cast::<[f32; 4]>().read() };
             for (channel, value) in found.iter_mut().zip(row) {
                 channel[lane] = value;
             }
@@ -92,7 +92,7 @@ mod x86 {
             // SAFETY: the caller vouches for the addresses; the token for the instructions.
             unsafe {
                 let pair = |lane: usize| {
-                    let place = base.offset(SCALE as isize * offsets[lane] as isize);
+                    let place = base.wrapping_offset(SCALE as isize * offsets[lane] as isize);
                     _mm_castsi128_ps(_mm_loadl_epi64(place.cast()))
                 };
                 let (ab, cd) = (_mm_movelh_ps(pair(0), pair(1)), _mm_movelh_ps(pair(2), pair(3)));
@@ -108,7 +108,7 @@ mod x86 {
             unsafe {
                 // Unsigned: nothing is left to do to a lane's offset but to add it.
                 let numbers: Self::u32s = (offsets << SHIFT).bitcast();
-                let row = |lane: usize| _mm_loadu_ps(base.add(numbers[lane] as usize));
+                let row = |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
                 let (mut a, mut b, mut c, mut d) = (row(0), row(1), row(2), row(3));
                 _MM_TRANSPOSE4_PS(&mut a, &mut b, &mut c, &mut d);
                 [a.simd_into(self), b.simd_into(self), c.simd_into(self), d.simd_into(self)]
@@ -146,7 +146,7 @@ mod x86 {
             unsafe {
                 // Unsigned: nothing is left to do to a lane's offset but to add it.
                 let numbers: Self::u32s = (offsets << SHIFT).bitcast();
-                let row = |lane: usize| _mm_loadu_ps(base.add(numbers[lane] as usize));
+                let row = |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
                 // Lane i of a quarter beside lane i + 4.
                 let pair = |lane: usize| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(row(lane)), row(lane + 4));
                 let (a, b, c, d) = (pair(0), pair(1), pair(2), pair(3));
@@ -194,7 +194,7 @@ mod x86 {
             unsafe {
                 // Unsigned: nothing is left to do to a lane's offset but to add it.
                 let numbers: Self::u32s = (offsets << SHIFT).bitcast();
-                let row = |lane: usize| _mm_loadu_ps(base.add(numbers[lane] as usize));
+                let row = |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
                 // Lane i of a quarter beside lanes i + 4, i + 8 and i + 12.
                 let four = |lane: usize| {
                     let v = _mm512_castps128_ps512(row(lane));
