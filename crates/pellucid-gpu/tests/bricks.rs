@@ -53,8 +53,10 @@ fn modes(more: &str, alter: impl Fn(&mut Stage)) -> Vec<(String, Stage)> {
 
 #[test]
 fn every_mode_from_outside() {
-    let ceilings = [8, 32].map(side);
-    agree(&modes("", |_| ()), &ceilings, Interpolation::Exact);
+    let modes = modes("", |_| ());
+    agree(&modes, &[16, 32].map(side), Interpolation::Exact);
+    // Bricks of 8 voxels are a thousand: one mode says enough.
+    agree(&modes[..1], &[side(8)], Interpolation::Exact);
 }
 
 #[test]
@@ -96,7 +98,7 @@ fn with_holes_in_the_field() {
     let volume = with_holes("marschner-lobb", DIMS);
     let stage = |&(name, mode): &(&str, &str)| (name.to_owned(), stage(&volume, mode, SIZE));
     let stages: Vec<_> = MODES.iter().map(stage).collect();
-    agree(&stages, &[side(9), side(20)], Interpolation::Exact);
+    agree(&stages, &[side(14), side(20)], Interpolation::Exact);
 }
 
 #[test]
