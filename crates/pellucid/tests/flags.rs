@@ -94,7 +94,7 @@ fn every_flag_reaches_its_place_in_the_document() {
 }
 
 /// Flags of `render --help` that do not concern the scene.
-const OUTPUT: [&str; 15] = [
+const OUTPUT: [&str; 16] = [
     "--output",
     "--bits",
     "--aux",
