@@ -11,7 +11,8 @@ use serde_json::Value;
 /// The command, not yet started.
 pub fn command(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pellucid"));
-    command.args(args);
+    // As in every session: without it Mesa's drivers complain on standard error of their own accord.
+    command.args(args).env("XDG_RUNTIME_DIR", std::env::temp_dir());
     command
 }
 
