@@ -19,6 +19,12 @@ pub enum RenderError {
         /// Volumes in the scene.
         found: usize,
     },
+    /// A technique of graphics processors.
+    #[error("the CPU backend does not draw by {technique}: use --backend gpu, or another technique")]
+    Technique {
+        /// Its name.
+        technique: &'static str,
+    },
     /// The transfer function cannot be tabulated over the data.
     #[error(transparent)]
     Optics(#[from] OpticsError),

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage};
+use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, Technique};
 
 use crate::RenderError;
 use crate::integrator::{Integrator, Traced};
@@ -107,6 +107,9 @@ fn render(
     let [volume] = stage.volumes.as_slice() else {
         return Err(RenderError::Volumes { found: stage.volumes.len() });
     };
+    if !matches!(stage.technique, Technique::RayCast(_)) {
+        return Err(RenderError::Technique { technique: stage.technique.name() });
+    }
     let started = Instant::now();
     let prepared = Prepared::new(stage, volume, cache)?;
     let integrator = prepared.integrator(set)?;

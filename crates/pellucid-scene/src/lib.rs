@@ -43,4 +43,7 @@ pub use resolve::{ResolveError, Stage, StageVolume};
 pub use scene::{Crop, SampleSource, Scene, Source, VolumeEntry};
 pub use strides::SAMPLES_PER_LOOK;
 pub use tables::{TableCache, TableError, Tables};
-pub use technique::{Combine, Isosurface, Isovalue, Mode, RayCast, Slice, Technique};
+pub use technique::{
+    BlendOrder, ColorWeight, Combine, Correction, Isosurface, Isovalue, Mode, Proxy, RayCast, Slice, SliceGeometry,
+    SliceTarget, Slicing, Technique,
+};

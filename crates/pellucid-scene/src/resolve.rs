@@ -8,7 +8,7 @@ use pellucid_optics::{GradientWeight, Light, Lighting, Material, OpticsError, Re
 
 use crate::auto;
 use crate::choice::Choice;
-use crate::{Crop, ImageSettings, Invalid, Mode, Quality, RayCast, Region, Scene, Technique, Viewpoint, VolumeEntry};
+use crate::{Crop, ImageSettings, Invalid, Mode, Quality, Region, Scene, Technique, Viewpoint, VolumeEntry};
 
 /// A volume with its optics, nothing left to choose.
 #[derive(Clone, Debug)]
@@ -110,7 +110,7 @@ impl Scene {
         }
         let corners: Vec<DVec3> = staged
             .iter()
-            .flat_map(|v| auto::framed_corners(&v.volume, v.component, &v.transfer_function, self.mode()))
+            .flat_map(|v| auto::framed_corners(&v.volume, v.component, &v.transfer_function, self.technique.mode()))
             .collect();
         let ImageSettings { width, height, .. } = self.image;
         let viewpoint = self.camera.viewpoint(width as usize, height as usize, &corners);
@@ -149,8 +149,8 @@ impl Scene {
             keep_crop(&mut region, volume.grid(), crop);
         }
         let path = format!("volumes[{k}]");
-        let look =
-            auto::look(entry, &volume, self.mode(), choices).map_err(|error| ResolveError::Optics { path, error })?;
+        let look = auto::look(entry, &volume, self.technique.mode(), choices)
+            .map_err(|error| ResolveError::Optics { path, error })?;
         Ok(StageVolume {
             component: entry.component,
             transfer_function: look.transfer_function,
@@ -161,15 +161,9 @@ impl Scene {
         })
     }
 
-    fn mode(&self) -> &Mode {
-        let Technique::RayCast(RayCast { mode }) = &self.technique;
-        mode
-    }
-
     fn ordered_technique(&self) -> Technique {
         let mut technique = self.technique.clone();
-        let Technique::RayCast(RayCast { mode }) = &mut technique;
-        if let Mode::Isosurface(surfaces) = mode {
+        if let Mode::Isosurface(surfaces) = technique.mode_mut() {
             surfaces.isovalues.sort_by(|a, b| a.value.total_cmp(&b.value));
         }
         technique

@@ -2,13 +2,12 @@
 
 use glam::DVec3;
 
-use crate::{Classification, Mode, RayCast, Region, Slice, Stage, StageVolume, Technique};
+use crate::{Classification, Mode, Region, Slice, Stage, StageVolume};
 
 impl Stage {
     /// What is made of the samples.
     pub fn mode(&self) -> &Mode {
-        let Technique::RayCast(RayCast { mode }) = &self.technique;
-        mode
+        self.technique.mode()
     }
 
     /// Whether voxels are classified and their colours interpolated (4.2).

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use pellucid_optics::{PreIntegration, TransferFunction, extinction};
-use pellucid_scene::{Combine, Jitter, Mode, RayCast, Slice, Stage, StageVolume, Technique, blue_noise};
+use pellucid_scene::{Combine, Jitter, Mode, Slice, Stage, StageVolume, blue_noise};
 
 pub use field::{Field, Reading};
 use path::Path;
@@ -55,7 +55,7 @@ impl<'a> Reference<'a> {
     /// The only volume of a stage.
     pub fn new(stage: &'a Stage, reading: Reading) -> Self {
         let staged = &stage.volumes[0];
-        let Technique::RayCast(RayCast { mode }) = &stage.technique;
+        let mode = stage.mode();
         Self { stage, staged, tf: &staged.transfer_function, field: Field::new(stage, reading), mode, table: None }
     }
 

@@ -1,7 +1,7 @@
 //! What becomes of the samples along a ray.
 
 use pellucid::scene::{
-    Camera, Combine, Isosurface, Isovalue, Mode, Orbit, Projection, RayCast, Scene, Slice, StageVolume, Technique, View,
+    Camera, Combine, Isosurface, Isovalue, Mode, Orbit, Projection, Scene, Slice, StageVolume, View,
 };
 
 use crate::cli::failure::Failure;
@@ -68,7 +68,7 @@ enum Position {
 impl TechniqueFlags {
     /// `face`: whether the camera may be turned towards a slice.
     pub fn apply(&self, scene: &mut Scene, face: bool) -> Result<(), Failure> {
-        let Technique::RayCast(RayCast { mode }) = &mut scene.technique;
+        let mode = scene.technique.mode_mut();
         if let Some(given) = &self.mode {
             *mode = given.clone();
         }
@@ -100,7 +100,7 @@ impl TechniqueFlags {
 
     /// Moves the slice to its place in percent, if it is given so and there is a slice.
     pub fn place(&self, scene: &mut Scene, volume: &StageVolume) -> bool {
-        let Technique::RayCast(RayCast { mode }) = &mut scene.technique;
+        let mode = scene.technique.mode_mut();
         let (Some(Position::Percent(percent)), Some(slice)) = (self.at, slice_of(mode)) else { return false };
         let Some(normal) = slice.normal else { return false };
         let dot = |p: [f64; 3]| (0..3).map(|axis| p[axis] * normal[axis]).sum::<f64>();

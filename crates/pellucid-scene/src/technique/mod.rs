@@ -6,12 +6,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::{Checked, direction, finite, require};
 
+mod slicing;
+
+pub use slicing::{BlendOrder, ColorWeight, Correction, Proxy, SliceGeometry, SliceTarget, Slicing};
+
 /// The technique that draws the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum Technique {
     /// One ray per pixel through the volume (chapter 7).
     RayCast(RayCast),
+    /// Slices through the volume, blended in their order (chapter 3). On graphics processors.
+    Slicing(Slicing),
 }
 
 impl Default for Technique {
@@ -105,10 +111,42 @@ pub enum Combine {
 }
 
 impl Technique {
+    /// What becomes of the samples.
+    pub fn mode(&self) -> &Mode {
+        match self {
+            Self::RayCast(RayCast { mode }) => mode,
+            Self::Slicing(Slicing { mode, .. }) => mode,
+        }
+    }
+
+    /// What becomes of the samples, to be changed.
+    pub fn mode_mut(&mut self) -> &mut Mode {
+        match self {
+            Self::RayCast(RayCast { mode }) => mode,
+            Self::Slicing(Slicing { mode, .. }) => mode,
+        }
+    }
+
+    /// The name of the technique, as in a document.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::RayCast(_) => "ray_cast",
+            Self::Slicing(_) => "slicing",
+        }
+    }
+
     pub(crate) fn check(&self, path: &str) -> Checked {
-        let Self::RayCast(RayCast { mode }) = self;
-        let path = format!("{path}.ray_cast.mode");
-        match mode {
+        let path = format!("{path}.{}", self.name());
+        if let Self::Slicing(slicing) = self {
+            slicing.check(&path)?;
+        }
+        self.mode().check(&format!("{path}.mode"))
+    }
+}
+
+impl Mode {
+    fn check(&self, path: &str) -> Checked {
+        match self {
             Mode::Isosurface(Isosurface { isovalues }) => {
                 let path = format!("{path}.isosurface");
                 require(!isovalues.is_empty(), &path, "isovalues", "none", "at least one isovalue")?;
