@@ -7,10 +7,10 @@
 
 use glam::DVec3;
 use pellucid_field::Grid;
-use pellucid_scene::{Mode, Stage};
+use pellucid_scene::Stage;
 
 use crate::texture::Part;
-use crate::{GpuError, kernels};
+use crate::{GpuError, kernels, optics};
 
 /// A piece of a volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,16 +24,10 @@ pub struct Brick {
 }
 
 /// Voxels beyond a brick's cells that its samples need: those that filter and gradient reach for, and for
-/// modes that look at segments their length (3.3-6).
-pub fn border(stage: &Stage, grid: &Grid) -> usize {
-    use pellucid_scene::Classification::PreIntegrated;
-    let segments = match stage.mode() {
-        Mode::Isosurface(_) => true,
-        Mode::Composite => stage.quality.classification == PreIntegrated,
-        _ => false,
-    };
-    let step = (stage.step / grid.smallest_spacing()).ceil() as usize;
-    kernels::reach(stage.quality.filter, stage.quality.gradient) + if segments { step } else { 0 }
+/// modes that look at segments their length: `stride` steps (3.3-6).
+pub fn border(stage: &Stage, grid: &Grid, stride: f64) -> usize {
+    let step = (stage.step * stride / grid.smallest_spacing()).ceil() as usize;
+    kernels::reach(stage.quality.filter, stage.quality.gradient) + if optics::is_of_segments(stage) { step } else { 0 }
 }
 
 /// Cuts a grid into bricks of at most `side` voxels per axis; if it has more than `bytes`, so that none
@@ -85,6 +79,11 @@ pub fn cut(
 /// Puts bricks in an order in which no ray passes one before another that is nearer (8.2): a ray only
 /// moves away from the eye along every axis, so the number of bricks it has passed never falls.
 pub fn sort(bricks: &mut [Brick], stage: &Stage, grid: &Grid) {
+    sort_boxes(bricks, stage, grid, |brick| (brick.core.low, brick.place));
+}
+
+/// The same of boxes in a lattice: `of` tells the first cell of one and its place in the lattice.
+pub fn sort_boxes<T>(boxes: &mut [T], stage: &Stage, grid: &Grid, of: impl Fn(&T) -> ([usize; 3], [usize; 3])) {
     let view = &stage.viewpoint;
     let eye = if view.perspective {
         grid.index_from_world().transform_point3(view.eye)
@@ -93,20 +92,20 @@ pub fn sort(bricks: &mut [Brick], stage: &Stage, grid: &Grid) {
         let along = grid.index_from_world().transform_vector3(view.forward);
         DVec3::from_array(along.to_array().map(|v| if v == 0.0 { 0.0 } else { f64::INFINITY * -v }))
     };
-    // The place of the eye among the bricks: that of the last brick that begins before it.
+    // The place of the eye among them: that of the last one that begins before it.
     let mut home = [0; 3];
-    for brick in bricks.iter() {
+    for (low, place) in boxes.iter().map(&of) {
         for axis in 0..3 {
-            if brick.core.low[axis] as f64 <= eye[axis] {
-                home[axis] = home[axis].max(brick.place[axis]);
+            if low[axis] as f64 <= eye[axis] {
+                home[axis] = home[axis].max(place[axis]);
             }
         }
     }
-    bricks.sort_by_key(|brick| (0..3).map(|axis| brick.place[axis].abs_diff(home[axis])).sum::<usize>());
+    boxes.sort_by_key(|item| (0..3).map(|axis| of(item).1[axis].abs_diff(home[axis])).sum::<usize>());
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use pellucid_scene::{Format, Scene, Stage};
     use proptest::prelude::*;
@@ -204,7 +203,7 @@ mod tests {
         }
     }
 
-    fn stage(grid: &Grid, eye: DVec3, target: DVec3, perspective: bool) -> Stage {
+    pub(crate) fn stage(grid: &Grid, eye: DVec3, target: DVec3, perspective: bool) -> Stage {
         let projection = if perspective { "perspective.vertical_fov = 40" } else { "orthographic = {}" };
         let (eye, target) = (eye.to_array(), target.to_array());
         let text = format!(

@@ -5,18 +5,23 @@
 //! where it is not. Shaders are WGSL files in `shaders/`, a file per pass, put together when they are
 //! needed. What they compute is stated by the CPU backend; tests hold the pictures together.
 
+mod bindings;
 mod bricks;
 mod device;
+mod dispatch;
 mod error;
 mod kernels;
 mod optics;
+mod pace;
 mod passes;
 mod pipelines;
 mod plan;
 mod ray_cast;
 mod renderer;
 mod resident;
+mod reused;
 pub mod shaders;
+mod slicing;
 mod staging;
 mod targets;
 mod texture;

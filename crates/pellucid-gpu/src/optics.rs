@@ -2,7 +2,7 @@
 
 use pellucid_optics::{ColorSpace, Nodes, TransferFunction};
 use pellucid_scene::{
-    BlockContent, BlockMap, Classification, Combine, Isosurface, Mode, Slice, Stage, StageVolume, Tables,
+    BlockContent, BlockMap, Classification, ColorWeight, Combine, Isosurface, Mode, Slice, Stage, StageVolume, Tables,
 };
 
 use crate::shaders::Pass;
@@ -30,9 +30,12 @@ impl<'a> Optics<'a> {
     /// What a stage's pass wants of its tables.
     pub fn new(stage: &Stage, volume: &StageVolume, tables: &'a Tables) -> Self {
         let (pass, opaque) = pass_of(stage);
+        let bleeds = stage.slicing().is_some_and(|slicing| slicing.colors == ColorWeight::NonAssociated);
         let (entries, nodes) = match (pass, &tables.preintegration, &tables.stride_entries) {
             (Pass::PreIntegrated, Some(segments), _) => (segments.entries(), segments.nodes()),
             (Pass::Composite, _, Some(strides)) => (strides.as_slice(), tables.step_table.nodes()),
+            // Colours without their opacity, which invisible values have, too.
+            (Pass::CompositePre, ..) if bleeds => (tables.table.entries(), tables.table.nodes()),
             (Pass::Composite | Pass::CompositePre | Pass::XRay, ..) => {
                 (tables.step_table.entries(), tables.step_table.nodes())
             }
@@ -70,6 +73,11 @@ impl Optics<'_> {
 /// Whether a mode shows surfaces in light.
 pub fn lights(mode: &Mode) -> bool {
     matches!(mode, Mode::Composite | Mode::Isosurface(_))
+}
+
+/// Whether a stage's mode looks at pairs of values.
+pub fn is_of_segments(stage: &Stage) -> bool {
+    matches!(pass_of(stage).0, Pass::PreIntegrated | Pass::Isosurface)
 }
 
 /// The pass of a stage's mode, and whether values are opaque.

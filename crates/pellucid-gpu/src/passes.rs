@@ -3,7 +3,7 @@
 use std::num::NonZeroU64;
 
 use bytemuck::bytes_of;
-use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages};
+use wgpu::{BindingResource, Buffer, BufferBinding};
 
 use crate::Device;
 use crate::uniforms::Pass;
@@ -17,14 +17,15 @@ pub struct PassBuffer {
 impl PassBuffer {
     /// A buffer of passes, at least one.
     pub fn new(device: &Device, passes: impl IntoIterator<Item = Pass>) -> Self {
-        let align = device.capabilities.limits.min_uniform_buffer_offset_alignment as usize;
+        let limits = &device.capabilities.limits;
+        let align = limits.min_uniform_buffer_offset_alignment.max(limits.min_storage_buffer_offset_alignment) as usize;
         let stride = size_of::<Pass>().next_multiple_of(align);
         let mut contents = Vec::new();
         for pass in passes {
             contents.extend_from_slice(bytes_of(&pass));
             contents.resize(contents.len().next_multiple_of(stride), 0);
         }
-        Self { buffer: device.buffer("passes", &contents, BufferUsages::UNIFORM), stride }
+        Self { buffer: device.constant_buffer("passes", &contents), stride }
     }
 
     /// Where pass `number` is.

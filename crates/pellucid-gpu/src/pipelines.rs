@@ -7,11 +7,11 @@ use std::num::NonZeroU64;
 
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BufferBindingType, ComputePipeline,
-    ComputePipelineDescriptor, PipelineLayoutDescriptor, SamplerBindingType, ShaderModuleDescriptor, ShaderSource,
-    ShaderStages, TextureSampleType, TextureViewDimension,
+    ComputePipelineDescriptor, PipelineLayout, PipelineLayoutDescriptor, SamplerBindingType, ShaderModule,
+    ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureSampleType, TextureViewDimension,
 };
 
-use crate::shaders::{Pass, Variant};
+use crate::shaders::{Constants, Pass, Traversal, Variant};
 use crate::{Device, GpuError, uniforms};
 
 /// A pipeline and the layouts of its groups: the frame, the volume, the tables.
@@ -49,18 +49,9 @@ impl Pipelines {
 
 fn make(device: &Device, variant: &Variant) -> Result<Pipeline, GpuError> {
     let label = format!("{:?}", variant.pass);
-    let source = ShaderSource::Naga(Cow::Owned(variant.link()?));
-    let module = device.device.create_shader_module(ShaderModuleDescriptor { label: Some(&label), source });
-    let mut groups = vec![frame_layout(device, variant)];
-    if variant.pass != Pass::Resolve {
-        groups.extend([volume_layout(device, variant), table_layout(device)]);
-    }
-    let bound: Vec<_> = groups.iter().map(Some).collect();
-    let layout = device.device.create_pipeline_layout(&PipelineLayoutDescriptor {
-        label: Some(&label),
-        bind_group_layouts: &bound,
-        immediate_size: 0,
-    });
+    let module = module(device, variant)?;
+    let groups = groups(device, variant);
+    let layout = pipeline_layout(device, &groups);
     let pipeline = device.device.create_compute_pipeline(&ComputePipelineDescriptor {
         label: Some(&label),
         layout: Some(&layout),
@@ -72,8 +63,46 @@ fn make(device: &Device, variant: &Variant) -> Result<Pipeline, GpuError> {
     Ok(Pipeline { variant: *variant, pipeline, groups })
 }
 
-fn layout(device: &Device, label: &str, types: &[(u32, BindingType)]) -> BindGroupLayout {
-    let entry = |&(binding, ty)| BindGroupLayoutEntry { binding, visibility: ShaderStages::COMPUTE, ty, count: None };
+/// The shader of a variant.
+///
+/// # Errors
+/// [`GpuError::Shader`].
+pub fn module(device: &Device, variant: &Variant) -> Result<ShaderModule, GpuError> {
+    let source = ShaderSource::Naga(Cow::Owned(variant.link(device.constants())?));
+    let label = format!("{:?}", variant.pass);
+    Ok(device.device.create_shader_module(ShaderModuleDescriptor { label: Some(&label), source }))
+}
+
+/// The layouts of a variant's groups.
+pub fn groups(device: &Device, variant: &Variant) -> Vec<BindGroupLayout> {
+    let mut groups = vec![frame_layout(device, variant)];
+    match (variant.pass, variant.traversal) {
+        (pass, _) if !pass.samples() && pass != Pass::Slice => {}
+        (_, Traversal::SlicePixels) => {
+            let nothing = device
+                .device
+                .create_bind_group_layout(&BindGroupLayoutDescriptor { label: Some("nothing"), entries: &[] });
+            groups.extend([nothing, table_layout(device, variant)]);
+        }
+        _ => groups.extend([volume_layout(device, variant), table_layout(device, variant)]),
+    }
+    groups
+}
+
+/// The layout of a pipeline with such groups.
+pub fn pipeline_layout(device: &Device, groups: &[BindGroupLayout]) -> PipelineLayout {
+    let bound: Vec<_> = groups.iter().map(Some).collect();
+    device.device.create_pipeline_layout(&PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &bound,
+        immediate_size: 0,
+    })
+}
+
+fn layout(device: &Device, variant: &Variant, label: &str, types: &[(u32, BindingType)]) -> BindGroupLayout {
+    let draws = variant.traversal == Traversal::Slices || variant.pass == Pass::SliceDone;
+    let visibility = if draws { ShaderStages::VERTEX_FRAGMENT } else { ShaderStages::COMPUTE };
+    let entry = |&(binding, ty)| BindGroupLayoutEntry { binding, visibility, ty, count: None };
     let entries: Vec<_> = types.iter().map(entry).collect();
     device.device.create_bind_group_layout(&BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
@@ -83,26 +112,39 @@ fn buffer(ty: BufferBindingType, dynamic: Option<u64>) -> BindingType {
     BindingType::Buffer { ty, has_dynamic_offset: dynamic.is_some(), min_binding_size }
 }
 
+/// A buffer that is the same for all invocations.
+fn constants(device: &Device, dynamic: Option<u64>) -> BindingType {
+    let ty = match device.constants() {
+        Constants::Uniform => BufferBindingType::Uniform,
+        Constants::Stored => BufferBindingType::Storage { read_only: true },
+    };
+    buffer(ty, dynamic)
+}
+
 fn frame_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
     let read = buffer(BufferBindingType::Storage { read_only: true }, None);
     let write = buffer(BufferBindingType::Storage { read_only: false }, None);
     let pass = size_of::<uniforms::Pass>() as u64;
-    let mut types = vec![
-        (0, buffer(BufferBindingType::Uniform, None)),
-        (1, buffer(BufferBindingType::Uniform, Some(pass))),
-        (2, read),
-        (3, read),
-        (4, read),
-        (5, write),
-        (6, read),
-    ];
-    if variant.pass == Pass::Resolve {
-        types.push((7, write));
+    let uniform = constants(device, None);
+    let blended = BindingType::Texture {
+        sample_type: TextureSampleType::Float { filterable: false },
+        view_dimension: TextureViewDimension::D2,
+        multisampled: false,
+    };
+    let mut types = vec![(0, uniform), (1, constants(device, Some(pass))), (2, read), (3, read), (4, read), (6, read)];
+    match (variant.pass, variant.traversal) {
+        (Pass::SliceDone, _) => types.extend([(9, uniform), (13, blended)]),
+        (Pass::SliceTiles, _) => types.extend([(13, blended), (15, write)]),
+        (Pass::SliceOcclusion, _) => types.extend([(9, uniform), (10, read), (15, write), (16, write)]),
+        (_, Traversal::Slices) => types.extend([(9, uniform), (10, read), (11, read), (12, read)]),
+        (_, Traversal::SlicePixels) => types.extend([(7, write), (9, uniform), (13, blended), (14, blended)]),
+        (Pass::Resolve, _) => types.extend([(5, write), (7, write)]),
+        _ => types.push((5, write)),
     }
     if variant.wavefront {
         types.push((8, write));
     }
-    layout(device, "frame", &types)
+    layout(device, variant, "frame", &types)
 }
 
 fn volume_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
@@ -111,24 +153,29 @@ fn volume_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
         view_dimension: TextureViewDimension::D3,
         multisampled: false,
     };
+    let field = BindingType::Texture {
+        sample_type: TextureSampleType::Float { filterable: variant.hardware },
+        view_dimension: if variant.stack { TextureViewDimension::D2Array } else { TextureViewDimension::D3 },
+        multisampled: false,
+    };
     let blocks = if variant.pass.compares_extremes() {
         TextureSampleType::Float { filterable: false }
     } else {
         TextureSampleType::Uint
     };
-    let mut types = vec![(0, texture(TextureSampleType::Float { filterable: variant.hardware })), (2, texture(blocks))];
+    let mut types = vec![(0, field), (2, texture(blocks))];
     if variant.hardware {
         types.push((1, BindingType::Sampler(SamplerBindingType::Filtering)));
     }
     if variant.kernels {
-        types.push((3, buffer(BufferBindingType::Uniform, None)));
+        types.push((3, constants(device, None)));
     }
     if variant.has_voxels() {
         types.push((4, texture(TextureSampleType::Float { filterable: false })));
     }
-    layout(device, "volume", &types)
+    layout(device, variant, "volume", &types)
 }
 
-fn table_layout(device: &Device) -> BindGroupLayout {
-    layout(device, "tables", &[(0, buffer(BufferBindingType::Storage { read_only: true }, None))])
+fn table_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
+    layout(device, variant, "tables", &[(0, buffer(BufferBindingType::Storage { read_only: true }, None))])
 }

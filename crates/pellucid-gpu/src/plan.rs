@@ -9,6 +9,7 @@ use crate::optics::Optics;
 use crate::resident::Source;
 use crate::staging::Staging;
 use crate::targets::Targets;
+use crate::texture::Layout;
 use crate::{Device, GpuError};
 
 /// The memory of a frame, in bytes, and what had to be done to make it fit.
@@ -20,8 +21,10 @@ pub struct MemoryPlan {
     pub voxels: u64,
     /// Pieces that the volume is cut into; 1 if it is whole.
     pub bricks: usize,
-    /// How many of them are there at the same time.
+    /// How many of them are there at the same time; of a volume in stacks, how many stacks.
     pub loaded: usize,
+    /// How voxels lie in textures.
+    pub layout: Layout,
     /// Buffers that voxels pass through on their way.
     pub staging: u64,
     /// The map of empty space.
@@ -52,6 +55,7 @@ impl MemoryPlan {
         volume: &StageVolume,
         sources: &[Source],
         optics: &Optics,
+        (wanted_layout, border): (Layout, usize),
     ) -> Result<(Self, Vec<Brick>), GpuError> {
         let (width, height) = (stage.viewpoint.width as u64, stage.viewpoint.height as u64);
         let tables = optics.table_bytes() + 4 * (pellucid_scene::BLUE_NOISE_TILE as u64).pow(2);
@@ -63,7 +67,11 @@ impl MemoryPlan {
         let fixed = tables
             + blocks
             + row
-            + sources.iter().map(|source| Staging::least(dims, &source.encoding)).max().unwrap_or(0);
+            + sources
+                .iter()
+                .map(|source| Staging::least(wanted_layout.axes().map(|axis| dims[axis]), &source.encoding))
+                .max()
+                .unwrap_or(0);
         let Some(free) = budget.checked_sub(fixed) else {
             let what = "a row of the picture with the tables, without any voxels,".to_owned();
             return Err(GpuError::Budget { what, needed: fixed, budget, advice });
@@ -73,7 +81,6 @@ impl MemoryPlan {
         let whole = dims.iter().map(|&n| n as u64).product::<u64>() * voxel_bytes as u64;
         let roomy = (wanted - 1) * row + Staging::WANTED;
         let side = device.capabilities.limits.max_texture_dimension_3d as usize;
-        let border = bricks::border(stage, volume.volume.grid());
         let bytes_of =
             |brick: &Brick| brick.voxels.dims().map(|n| n as u64).iter().product::<u64>() * voxel_bytes as u64;
         let (extra, room) = if whole <= free.saturating_sub(roomy) {
@@ -86,7 +93,13 @@ impl MemoryPlan {
         let mut pieces = cut(1 << 62)?;
         let mut loaded = pieces.len();
         let mut voxels = pieces.iter().map(bytes_of).sum::<u64>();
-        if voxels > room || loaded > Self::MOST_BRICKS {
+        let mut layout = Layout::Solid;
+        if loaded == 1 && voxels <= room && wanted_layout != Layout::Solid && wanted_layout.fits(dims, device) {
+            // One stack for each axis, if there is room for them.
+            layout = wanted_layout;
+            loaded = if 3 * voxels <= room { 3 } else { 1 };
+            voxels *= loaded as u64;
+        } else if voxels > room || loaded > Self::MOST_BRICKS {
             // One is drawn while the next one comes.
             pieces = cut(room / 2)?;
             let largest = pieces.iter().map(bytes_of).max().unwrap_or(0).max(1);
@@ -96,7 +109,10 @@ impl MemoryPlan {
         let targets = (1 + extra) * row;
         let staging = (budget - tables - blocks - targets - voxels).min(Staging::WANTED);
         let rows = 1 + extra as u32;
-        Ok((Self { budget, voxels, bricks: pieces.len(), loaded, staging, blocks, tables, targets, rows }, pieces))
+        Ok((
+            Self { budget, voxels, bricks: pieces.len(), loaded, layout, staging, blocks, tables, targets, rows },
+            pieces,
+        ))
     }
 
     /// All of it.
@@ -113,6 +129,7 @@ impl fmt::Display for MemoryPlan {
             write!(f, " of {}", mib(self.budget))?;
         }
         let how = match (self.bricks, self.loaded) {
+            (1, stacks) if self.layout != Layout::Solid => format!("in {stacks} stacks of slices"),
             (1, _) => "whole".to_owned(),
             (bricks, loaded) if bricks == loaded => format!("in {bricks} bricks"),
             (bricks, loaded) => format!("{loaded} of {bricks} bricks at a time"),

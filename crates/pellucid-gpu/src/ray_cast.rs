@@ -1,82 +1,30 @@
 //! The ray caster: passes over bands of the picture (7.2).
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use bytemuck::{bytes_of, cast_slice};
-use pellucid_field::{Filter, Gradient};
 use pellucid_scene::{Control, Frame as Picture, Stage, StageVolume};
-use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferUsages, CommandEncoder,
-    CommandEncoderDescriptor, ComputePassDescriptor, ComputePassTimestampWrites, ComputePipeline, FilterMode, Sampler,
-    SamplerDescriptor, TextureView,
-};
+use wgpu::{BindGroup, CommandEncoder, CommandEncoderDescriptor, TextureView};
 
+use crate::bindings::Bindings;
 use crate::bricks::{self, Brick};
-use crate::kernels::Kernels;
-use crate::optics::{Optics, lights};
+use crate::dispatch::dispatch;
+use crate::optics::Optics;
+use crate::pace::Pace;
 use crate::passes::PassBuffer;
 use crate::pipelines::{Pipeline, Pipelines};
-use crate::renderer::{Drawing, Interpolation, Passes};
+use crate::renderer::{Drawing, Passes};
 use crate::resident::Resident;
+use crate::reused::{Bands, Reused};
 use crate::shaders::{Pass, Variant};
 use crate::targets::Targets;
 use crate::timer::Timer;
-use crate::uniforms::{self, Frame, Light};
-use crate::uploads::{Uploads, storage};
-use crate::wavefront::{Front, Pace};
+use crate::uniforms;
+use crate::uploads::Uploads;
+use crate::wavefront::Front;
 use crate::{Device, GpuError};
-
-/// How long the commands of a submission may take: short enough to be cancelled in time, and far from
-/// what drivers take for a hang.
-const SUBMISSION: Duration = Duration::from_millis(25);
 
 /// Most passes of a submission.
 const MOST_PASSES: usize = 256;
-
-/// How much is drawn at once, learnt from frame to frame.
-struct Bands {
-    /// Seconds that a ray took in the slowest band of the last frame.
-    last: f64,
-    /// The same of this frame so far.
-    slowest: f64,
-}
-
-impl Default for Bands {
-    /// A guess that lets the first frame begin with little: too little costs less than too much.
-    fn default() -> Self {
-        Self { last: 5e-6, slowest: 0.0 }
-    }
-}
-
-impl Bands {
-    /// Rays for the next submission.
-    fn rays(&self) -> u64 {
-        (SUBMISSION.as_secs_f64() / self.last.max(self.slowest)) as u64
-    }
-
-    fn learn(&mut self, rays: u64, took: Duration) {
-        self.slowest = self.slowest.max(took.as_secs_f64() / rays as f64);
-    }
-
-    fn end_frame(&mut self) {
-        *self = Self { last: self.slowest, slowest: 0.0 };
-    }
-}
-
-/// What is used again from frame to frame.
-pub struct Reused {
-    bands: Bands,
-    targets: Option<Targets>,
-    timer: Option<Timer>,
-    pace: Pace,
-}
-
-impl Reused {
-    /// Nothing yet, on a device.
-    pub fn new(device: &Device) -> Self {
-        Self { bands: Bands::default(), targets: None, timer: Timer::new(device), pace: Pace::default() }
-    }
-}
 
 /// Rows of the picture.
 #[derive(Clone, Copy)]
@@ -90,18 +38,11 @@ pub struct RayCaster<'a> {
     device: &'a Device,
     resident: &'a mut Resident,
     stage: &'a Stage,
-    uploads: &'a Uploads,
+    bindings: Bindings<'a>,
     bricks: Vec<Brick>,
     march: Pipeline,
     resolve: Pipeline,
     table: BindGroup,
-    kernels: Option<Buffer>,
-    /// Most looks at the blocks in a pass.
-    most_looks: u32,
-    /// If the texture unit interpolates.
-    sampler: Option<Sampler>,
-    /// Frame, planes, lights.
-    parts: [Buffer; 3],
 }
 
 impl<'a> RayCaster<'a> {
@@ -115,68 +56,24 @@ impl<'a> RayCaster<'a> {
         resident: &'a mut Resident,
         (stage, volume): (&'a Stage, &StageVolume),
         (optics, uploads): (&Optics, &'a Uploads),
-        Drawing { interpolation, passes }: Drawing,
+        drawing: Drawing,
     ) -> Result<Self, GpuError> {
-        let grid = volume.volume.grid();
-        let region = stage.region(volume);
-        let (filter, gradient) = (optics.tables.filter, stage.quality.gradient);
-        let encoding = resident.field().encoding;
-        let kernels = filter != Filter::Linear || (gradient != Gradient::Central && lights(stage.mode()));
-        let kernels = kernels.then(|| Kernels::new(filter, gradient, resident.voxels().data()));
-        let variant = Variant {
-            pass: optics.pass,
-            hardware: interpolation == Interpolation::Hardware && encoding.filterable && filter == Filter::Linear,
-            holes: encoding.holes,
-            bricks: !resident.is_whole(),
+        let mut bindings =
+            Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, |_| ());
+        bindings.variant = Variant {
             skip: optics.blocks.is_some(),
-            shaded: volume.material.is_some() && lights(stage.mode()),
-            weighted: volume.gradient_weight.is_some(),
-            opaque: optics.opaque,
             // The many rounds of wide kernels are for several passes.
-            wavefront: passes == Passes::Wavefront || kernels.is_some(),
-            kernels: kernels.is_some(),
+            wavefront: drawing.passes == Passes::Wavefront || bindings.variant.kernels,
             strides: optics.blocks.is_some_and(|blocks| blocks.levels.is_some()),
+            ..bindings.variant
         }
         .canonical();
-        let mut frame = Frame::new(stage, volume, &region);
-        frame.set_values(resident.field().data());
-        frame.set_nodes(&optics.nodes);
-        if let Some(blocks) = optics.blocks {
-            frame.set_blocks(blocks.dims, blocks.size);
-        }
-        let lights: Vec<Light> = stage.lights.iter().map(Light::from).collect();
-        let parts = [
-            device.buffer("frame", bytes_of(&frame), BufferUsages::UNIFORM),
-            storage(device, "planes", &uniforms::planes(&region, grid)),
-            storage(device, "lights", &lights),
-        ];
-        let most_looks = kernels.as_ref().filter(|_| variant.kernels).map_or(u32::MAX, Kernels::most_looks);
-        let kernels = kernels
-            .filter(|_| variant.kernels)
-            .map(|kernels| device.buffer("kernels", cast_slice(&kernels.to_fours()), BufferUsages::UNIFORM));
         let resolve = pipelines.get(device, Variant::of(Pass::Resolve))?.clone();
-        let march = pipelines.get(device, variant)?.clone();
-        let table = device.device.create_bind_group(&BindGroupDescriptor {
-            label: Some("tables"),
-            layout: &march.groups[2],
-            entries: &[BindGroupEntry { binding: 0, resource: uploads.entries.as_entire_binding() }],
-        });
+        let march = pipelines.get(device, bindings.variant)?.clone();
+        let table = bindings.table_group(&march.groups[2]);
         let mut bricks = resident.bricks.clone();
-        bricks::sort(&mut bricks, stage, grid);
-        Ok(Self {
-            device,
-            resident,
-            stage,
-            uploads,
-            bricks,
-            march,
-            resolve,
-            table,
-            kernels,
-            most_looks,
-            sampler: variant.hardware.then(|| sampler(device)),
-            parts,
-        })
+        bricks::sort(&mut bricks, stage, volume.volume.grid());
+        Ok(Self { device, resident, stage, bindings, bricks, march, resolve, table })
     }
 
     /// Draws all bands into a picture of the stage's size.
@@ -201,7 +98,7 @@ impl<'a> RayCaster<'a> {
             let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, width, rows));
             let band = Band { row, rows };
             if wavefront {
-                self.draw_wavefront(targets, &mut reused.pace, band, control)?;
+                self.draw_wavefront(targets, &mut reused.looks, band, control)?;
             } else {
                 let timer = reused.timer.as_ref();
                 let seconds = self.draw_band(targets, timer, band, &mut reused.bands, control)?;
@@ -289,7 +186,7 @@ impl<'a> RayCaster<'a> {
         let brick = &self.bricks[number];
         let four = |[x, y, z]: [usize; 3], w| [x as u32, y as u32, z as u32, w];
         uniforms::Pass {
-            rows: [row, rows, sub as u32, self.most_looks],
+            rows: [row, rows, sub as u32, self.bindings.most_looks],
             texture_low: four(brick.voxels.low, u32::from(number == 0)),
             core_low: four(brick.core.low, 0),
             core_high: four(brick.core.high, 0),
@@ -320,7 +217,7 @@ impl<'a> RayCaster<'a> {
                     return Err(GpuError::Cancelled);
                 }
                 let pass = uniforms::Pass {
-                    rows: [row, rows, sub, pace.looks(self.most_looks)],
+                    rows: [row, rows, sub, pace.amount(self.bindings.most_looks)],
                     texture_low: [0, 0, 0, u32::from(left.is_none())],
                     core_low: [0, 0, 0, list],
                     core_high: [0, 0, 0, capacity],
@@ -362,68 +259,15 @@ impl<'a> RayCaster<'a> {
         passes: &PassBuffer,
         front: Option<&Front>,
     ) -> BindGroup {
-        let [frame, planes, lights] = &self.parts;
-        let Uploads { noise, levels, .. } = self.uploads;
-        let mut buffers = vec![(0, frame), (2, planes), (3, noise), (4, lights), (5, &targets.states), (6, levels)];
+        let mut own = vec![(5, targets.states.as_entire_binding())];
         match pipeline.variant.pass {
-            Pass::Resolve => buffers.push((7, &targets.pixels)),
-            _ => buffers.extend(front.map(|front| (8, front.lists()))),
+            Pass::Resolve => own.push((7, targets.pixels.as_entire_binding())),
+            _ => own.extend(front.map(|front| (8, front.lists().as_entire_binding()))),
         }
-        let mut entries = vec![BindGroupEntry { binding: 1, resource: passes.binding() }];
-        for (binding, buffer) in buffers {
-            entries.push(BindGroupEntry { binding, resource: buffer.as_entire_binding() });
-        }
-        self.device.device.create_bind_group(&BindGroupDescriptor {
-            label: Some("frame"),
-            layout: &pipeline.groups[0],
-            entries: &entries,
-        })
+        self.bindings.frame_group(&pipeline.groups[0], passes, &own)
     }
 
-    fn volume_group(&self, [field, voxels]: &[TextureView; 2]) -> BindGroup {
-        let mut entries = vec![
-            BindGroupEntry { binding: 0, resource: BindingResource::TextureView(field) },
-            BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&self.uploads.blocks) },
-        ];
-        if let Some(sampler) = &self.sampler {
-            entries.push(BindGroupEntry { binding: 1, resource: BindingResource::Sampler(sampler) });
-        }
-        if let Some(kernels) = &self.kernels {
-            entries.push(BindGroupEntry { binding: 3, resource: kernels.as_entire_binding() });
-        }
-        if self.march.variant.has_voxels() {
-            entries.push(BindGroupEntry { binding: 4, resource: BindingResource::TextureView(voxels) });
-        }
-        self.device.device.create_bind_group(&BindGroupDescriptor {
-            label: Some("volume"),
-            layout: &self.march.groups[1],
-            entries: &entries,
-        })
+    fn volume_group(&self, views: &[TextureView; 2]) -> BindGroup {
+        self.bindings.volume_group(&self.march.groups[1], views)
     }
-}
-
-fn sampler(device: &Device) -> Sampler {
-    device.device.create_sampler(&SamplerDescriptor {
-        mag_filter: FilterMode::Linear,
-        min_filter: FilterMode::Linear,
-        ..Default::default()
-    })
-}
-
-fn dispatch(
-    encoder: &mut CommandEncoder,
-    pipeline: &ComputePipeline,
-    groups: &[&BindGroup],
-    offset: u32,
-    [width, rows]: [u32; 2],
-    timestamp_writes: Option<ComputePassTimestampWrites>,
-) {
-    let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor { label: None, timestamp_writes });
-    pass.set_pipeline(pipeline);
-    for (number, group) in groups.iter().enumerate() {
-        // The first group has the passes, of which one is chosen.
-        let offsets: &[u32] = if number == 0 { &[offset] } else { &[] };
-        pass.set_bind_group(number as u32, *group, offsets);
-    }
-    pass.dispatch_workgroups(width.div_ceil(8), rows.div_ceil(8), 1);
 }

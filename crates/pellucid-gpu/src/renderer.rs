@@ -7,13 +7,15 @@ use std::time::Instant;
 use pellucid_field::Volume;
 use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, StageVolume, TableCache, Tables};
 
-use crate::bricks::Brick;
+use crate::bricks::{self, Brick};
 use crate::device::Device;
 use crate::optics::Optics;
 use crate::pipelines::Pipelines;
-use crate::ray_cast::{RayCaster, Reused};
+use crate::ray_cast::RayCaster;
 use crate::resident::{Resident, Source};
-use crate::texture::{Encoding, Part};
+use crate::reused::Reused;
+use crate::slicing::{self, DrawPipelines, Slicer};
+use crate::texture::{Encoding, Layout, Part};
 use crate::uploads::Uploads;
 use crate::{AdapterChoice, Ceiling, GpuError, MemoryPlan};
 
@@ -62,6 +64,7 @@ pub struct GpuRenderer {
     device: Device,
     drawing: Drawing,
     pipelines: Pipelines,
+    draw_pipelines: DrawPipelines,
     tables: TableCache,
     uploads: Option<Uploads>,
     resident: Option<Resident>,
@@ -90,6 +93,7 @@ impl GpuRenderer {
             device,
             drawing: Drawing::default(),
             pipelines: Pipelines::default(),
+            draw_pipelines: DrawPipelines::default(),
             uploads: None,
             resident: None,
             next: Frame::default(),
@@ -199,7 +203,11 @@ impl GpuRenderer {
         let tables = self.tables.tables(stage, volume)?;
         let sources = Source::of(&self.device, volume, &tables, stage);
         let optics = Optics::new(stage, volume, &tables);
-        let (plan, bricks) = MemoryPlan::new(&self.device, self.budget, stage, volume, &sources, &optics)?;
+        let demands = match stage.slicing() {
+            Some(slicing) => slicing::demands(stage, volume, &optics, slicing),
+            None => (Layout::Solid, bricks::border(stage, volume.volume.grid(), 1.0)),
+        };
+        let (plan, bricks) = MemoryPlan::new(&self.device, self.budget, stage, volume, &sources, &optics, demands)?;
         Ok(Prepared { volume, tables, sources, plan, bricks })
     }
 
@@ -214,18 +222,26 @@ impl GpuRenderer {
         let uploads = self.uploads.get_or_insert_with(|| Uploads::new(&self.device, &tables, &optics));
         let resident = self.resident.get_or_insert_with(|| Resident::new(&self.device, sources, plan.clone(), bricks));
         resident.plan = plan;
-        let mut caster = RayCaster::new(
-            &self.device,
-            &mut self.pipelines,
-            resident,
-            (stage, volume),
-            (&optics, uploads),
-            self.drawing,
-        )?;
-        let drawing = Instant::now();
         let frame = &mut self.next;
         frame.clear(stage.viewpoint.width, stage.viewpoint.height);
-        caster.draw(&mut self.reused, control, frame)?;
+        let (device, optics) = (&self.device, (&optics, &*uploads));
+        let drawing = match stage.slicing() {
+            None => {
+                let caster =
+                    RayCaster::new(device, &mut self.pipelines, resident, (stage, volume), optics, self.drawing);
+                let (mut caster, drawing) = (caster?, Instant::now());
+                caster.draw(&mut self.reused, control, frame)?;
+                drawing
+            }
+            Some(slicing) => {
+                let pipelines = (&mut self.pipelines, &mut self.draw_pipelines);
+                let what = (stage, volume, slicing);
+                let slicer = Slicer::new(device, pipelines, resident, what, optics, self.drawing);
+                let (mut slicer, drawing) = (slicer?, Instant::now());
+                slicer.draw(&mut self.reused, control, frame)?;
+                drawing
+            }
+        };
         let rays = (stage.viewpoint.width * stage.viewpoint.height) as u64;
         frame.statistics = FrameStatistics {
             rays: rays * u64::from(stage.quality.supersampling).pow(2),

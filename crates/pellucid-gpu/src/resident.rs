@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use pellucid_field::Volume;
 use pellucid_scene::{Control, Stage, StageVolume, Tables};
-use wgpu::{SubmissionIndex, Texture, TextureView, TextureViewDescriptor};
+use wgpu::{SubmissionIndex, Texture, TextureView, TextureViewDescriptor, TextureViewDimension};
 
 use crate::bricks::Brick;
 use crate::plan::MemoryPlan;
 use crate::staging::Staging;
-use crate::texture::{self, Encoding, Part};
+use crate::texture::{self, Encoding, Layout, Part};
 use crate::{Device, GpuError};
 
 /// A component of a volume, and how it is held.
@@ -58,6 +58,7 @@ pub struct Resident {
 
 struct Loaded {
     brick: Brick,
+    layout: Layout,
     /// One for each source.
     textures: Vec<Texture>,
     /// The last commands that read it.
@@ -98,7 +99,8 @@ impl Resident {
         self.plan.loaded >= self.bricks.len()
     }
 
-    /// The textures of a brick, of the field and of the voxels, uploaded if they are not there.
+    /// The textures of a brick, of the field and of the voxels, uploaded if they are not there in the plan's
+    /// layout.
     ///
     /// # Errors
     /// [`GpuError::Cancelled`], or what the device reports.
@@ -108,7 +110,9 @@ impl Resident {
         brick: &Brick,
         control: &Control,
     ) -> Result<[TextureView; 2], GpuError> {
-        let found = self.loaded.iter().position(|loaded| loaded.brick == *brick);
+        let layout = self.plan.layout;
+        let is_it = |loaded: &Loaded| loaded.brick == *brick && loaded.layout == layout;
+        let found = self.loaded.iter().position(is_it);
         let entry = match found {
             Some(place) => self.loaded.remove(place),
             None => {
@@ -117,17 +121,21 @@ impl Resident {
                     let passed = self.loaded.remove(0);
                     passed.used.map_or(Ok(()), |used| device.wait_for(used))?;
                 }
-                let create = |source: &Source| texture::create(device, &source.encoding, brick.voxels.dims());
+                let create = |source: &Source| texture::create(device, &source.encoding, layout, brick.voxels.dims());
                 let textures: Vec<Texture> = self.sources.iter().map(create).collect();
                 device.check()?;
-                for (number, texture) in textures.iter().enumerate() {
-                    self.upload(device, number, texture, brick, brick.voxels, control)?;
+                let entry = Loaded { brick: *brick, layout, textures, used: None };
+                for source in 0..entry.textures.len() {
+                    self.upload(device, source, &entry, brick.voxels, control)?;
                 }
-                Loaded { brick: *brick, textures, used: None }
+                entry
             }
         };
         let last = entry.textures.len() - 1;
-        let views = [0, last].map(|source| entry.textures[source].create_view(&TextureViewDescriptor::default()));
+        // A stack of one layer is one all the same.
+        let dimension = if layout == Layout::Solid { TextureViewDimension::D3 } else { TextureViewDimension::D2Array };
+        let view = TextureViewDescriptor { dimension: Some(dimension), ..Default::default() };
+        let views = [0, last].map(|source| entry.textures[source].create_view(&view));
         self.loaded.push(entry);
         Ok(views)
     }
@@ -162,7 +170,7 @@ impl Resident {
         let (mut sent, control) = (Ok(()), Control::default());
         for entry in &loaded {
             if let Some(part) = part.common(&entry.brick.voxels) {
-                sent = sent.and_then(|()| self.upload(device, 0, &entry.textures[0], &entry.brick, part, &control));
+                sent = sent.and_then(|()| self.upload(device, 0, entry, part, &control));
             }
         }
         // What is only partly new is of no use.
@@ -175,19 +183,26 @@ impl Resident {
         &mut self,
         device: &Device,
         source: usize,
-        texture: &Texture,
-        brick: &Brick,
+        entry: &Loaded,
         part: Part,
         control: &Control,
     ) -> Result<(), GpuError> {
-        let at = [0, 1, 2].map(|axis| part.low[axis] - brick.voxels.low[axis]);
         let Source { volume, component, encoding } = &self.sources[source];
-        let width = part.dims()[0];
-        let fill = |bytes: &mut Vec<u8>, y, z| {
-            let first = volume.grid().linear_index([part.low[0], part.low[1] + y, part.low[2] + z]);
-            encoding.append(bytes, volume, *component, first, width);
+        let grid = volume.grid();
+        let axes = entry.layout.axes();
+        let [at, dims] = [
+            axes.map(|axis| part.low[axis] - entry.brick.voxels.low[axis]),
+            axes.map(|axis| part.high[axis] - part.low[axis]),
+        ];
+        let [nx, ny, _] = grid.dims();
+        let stride = [1, nx, nx * ny][axes[0]];
+        let fill = |bytes: &mut Vec<u8>, row, layer| {
+            let mut voxel = part.low;
+            voxel[axes[1]] += row;
+            voxel[axes[2]] += layer;
+            encoding.append(bytes, (volume, *component), grid.linear_index(voxel), stride, dims[0]);
         };
         let go_on = || if control.is_cancelled() { Err(GpuError::Cancelled) } else { Ok(()) };
-        self.staging.write(device, texture, at, part.dims(), fill, go_on)
+        self.staging.write(device, &entry.textures[source], at, dims, fill, go_on)
     }
 }

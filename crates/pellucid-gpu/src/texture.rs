@@ -53,8 +53,15 @@ impl Encoding {
         }
     }
 
-    /// Appends a row of voxels of one component, from voxel `first` of the grid on.
-    pub fn append(&self, bytes: &mut Vec<u8>, volume: &Volume, component: usize, first: usize, count: usize) {
+    /// Appends voxels of one component: `count` of them from voxel `first` of the grid on, `stride` apart.
+    pub fn append(
+        &self,
+        bytes: &mut Vec<u8>,
+        (volume, component): (&Volume, usize),
+        first: usize,
+        stride: usize,
+        count: usize,
+    ) {
         let components = volume.components();
         let as_they_are = match volume.voxels() {
             Voxels::U8(_) | Voxels::F16(_) => self.format != TextureFormat::R32Float,
@@ -63,11 +70,11 @@ impl Encoding {
             _ => false,
         };
         for_voxels!(volume.voxels(), data => {
-            let run = &data[first * components..(first + count) * components];
-            if as_they_are && components == 1 {
+            let run = &data[first * components..(first + (count - 1) * stride + 1) * components];
+            if as_they_are && components * stride == 1 {
                 bytes.extend_from_slice(bytemuck::cast_slice(run));
             } else {
-                let voxels = run.iter().skip(component).step_by(components);
+                let voxels = run.iter().skip(component).step_by(components * stride);
                 encode(bytes, self.format, self.stored[1] as f32, voxels);
             }
         });
@@ -77,6 +84,40 @@ impl Encoding {
     pub fn data(&self, volume: &Volume) -> [f64; 2] {
         let map = volume.value_map();
         [self.stored[0] * map.scale, map.value(self.stored[1])]
+    }
+}
+
+/// How voxels lie in a texture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Layout {
+    /// A 3D texture.
+    #[default]
+    Solid,
+    /// A stack of 2D textures across an axis (3.2-1).
+    Stack(usize),
+}
+
+impl Layout {
+    /// The axes of the volume that run along the texture's.
+    pub fn axes(self) -> [usize; 3] {
+        match self {
+            Self::Stack(0) => [1, 2, 0],
+            Self::Stack(1) => [0, 2, 1],
+            Self::Stack(_) | Self::Solid => [0, 1, 2],
+        }
+    }
+
+    /// Whether a device has textures of such dimensions.
+    pub fn fits(self, dims: [usize; 3], device: &Device) -> bool {
+        let limits = &device.capabilities.limits;
+        let most = match self {
+            Self::Solid => [limits.max_texture_dimension_3d; 3],
+            Self::Stack(_) => {
+                let side = limits.max_texture_dimension_2d.min(limits.max_texture_dimension_3d);
+                [side, side, limits.max_texture_array_layers]
+            }
+        };
+        self.axes().into_iter().zip(most).all(|(axis, most)| dims[axis] <= most as usize)
     }
 }
 
@@ -104,13 +145,13 @@ impl Part {
 }
 
 /// An empty texture for voxels.
-pub fn create(device: &Device, encoding: &Encoding, dims: [usize; 3]) -> Texture {
+pub fn create(device: &Device, encoding: &Encoding, layout: Layout, dims: [usize; 3]) -> Texture {
     device.device.create_texture(&TextureDescriptor {
         label: Some("volume"),
-        size: extent(dims),
+        size: extent(layout.axes().map(|axis| dims[axis])),
         mip_level_count: 1,
         sample_count: 1,
-        dimension: TextureDimension::D3,
+        dimension: if layout == Layout::Solid { TextureDimension::D3 } else { TextureDimension::D2 },
         format: encoding.format,
         usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
         view_formats: &[],

@@ -2,7 +2,7 @@
 
 use wgpu::{
     Buffer, BufferDescriptor, BufferUsages, CommandEncoder, ComputePassTimestampWrites, Features, MapMode, QuerySet,
-    QuerySetDescriptor, QueryType,
+    QuerySetDescriptor, QueryType, RenderPassTimestampWrites,
 };
 
 use crate::Device;
@@ -45,6 +45,13 @@ impl Timer {
             beginning_of_pass_write_index: first.then_some(0),
             end_of_pass_write_index: last.then_some(1),
         })
+    }
+
+    /// The same of a pass that draws.
+    pub fn render_writes(&self, first: bool, last: bool) -> Option<RenderPassTimestampWrites<'_>> {
+        let ComputePassTimestampWrites { query_set, beginning_of_pass_write_index, end_of_pass_write_index } =
+            self.writes(first, last)?;
+        Some(RenderPassTimestampWrites { query_set, beginning_of_pass_write_index, end_of_pass_write_index })
     }
 
     /// Makes the marks readable once the commands are done.

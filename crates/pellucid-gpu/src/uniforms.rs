@@ -77,6 +77,20 @@ pub struct Level {
 /// What a ray has found so far.
 pub const STATE_BYTES: u64 = 64;
 
+/// Where slices lie, and how they are drawn.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Slices {
+    pub plane: Four,
+    pub strides: Four,
+    pub clip_x: Four,
+    pub clip_y: Four,
+    pub clip_w: Four,
+    pub margin: Four,
+    pub eye: Four,
+    pub counts: [u32; 4],
+}
+
 /// A pixel as it comes back.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
@@ -212,7 +226,7 @@ impl From<&ResolvedLight> for Light {
     }
 }
 
-fn four(v: DVec3, w: f64) -> Four {
+pub fn four(v: DVec3, w: f64) -> Four {
     v.extend(w).as_vec4().to_array()
 }
 
@@ -224,7 +238,8 @@ fn rows(matrix: DMat3, last: DVec3) -> [Four; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shaders::{self, Variant};
+    use crate::shaders::{self, Constants, Traversal, Variant};
+    use crate::slicing::SliceBox;
     use std::mem::offset_of;
     use wgpu::naga::{Module, TypeInner};
 
@@ -249,8 +264,9 @@ mod tests {
 
     #[test]
     fn structures_are_those_of_the_shaders() {
-        let shaded = Variant { shaded: true, ..Variant::of(shaders::Pass::Isosurface) }.link().unwrap();
-        let resolve = Variant::of(shaders::Pass::Resolve).link().unwrap();
+        let shaded =
+            Variant { shaded: true, ..Variant::of(shaders::Pass::Isosurface) }.link(Constants::Uniform).unwrap();
+        let resolve = Variant::of(shaders::Pass::Resolve).link(Constants::Uniform).unwrap();
         let frame = fields!(Frame: origin_middle origin_right origin_up direction_middle direction_right direction_up
             world_middle world_right world_up low high gradient_x gradient_y gradient_z world_x world_y world_z
             picture values material limits plane plane_normal size dims blocks counts noise);
@@ -258,6 +274,14 @@ mod tests {
         assert_eq!(layout(&shaded, "Pass"), fields!(Pass: rows texture_low core_low core_high));
         assert_eq!(layout(&shaded, "Light"), fields!(Light: place radiance axis cone));
         assert_eq!(layout(&shaded, "Level"), fields!(Level: color value));
+        let sliced = Variant { traversal: Traversal::Slices, ..Variant::of(shaders::Pass::Composite) }
+            .link(Constants::Uniform)
+            .unwrap();
+        let pixels = Variant { traversal: Traversal::SlicePixels, ..Variant::of(shaders::Pass::Average) };
+        let slices = fields!(Slices: plane strides clip_x clip_y clip_w margin eye counts);
+        assert_eq!(layout(&sliced, "Slices"), slices);
+        assert_eq!(layout(&sliced, "Box"), fields!(SliceBox: low high));
+        assert_eq!(layout(&pixels.link(Constants::Uniform).unwrap(), "Pixel"), fields!(Pixel: color surface counts));
         assert_eq!(layout(&resolve, "Pixel"), fields!(Pixel: color surface counts));
         assert_eq!(layout(&resolve, "State").1 as u64, STATE_BYTES);
     }

@@ -1,7 +1,5 @@
 //! Rays that are followed for a while at a time: the lists of those that go on (7.4-1).
 
-use std::time::Duration;
-
 use wgpu::{Buffer, BufferDescriptor, BufferUsages, CommandEncoder, MapMode};
 
 use crate::{Device, GpuError};
@@ -56,33 +54,5 @@ impl Front {
         drop(mapped);
         self.copied.unmap();
         Ok(count)
-    }
-}
-
-/// How far rays are followed in one pass, learnt from what passes take.
-pub struct Pace(u32);
-
-impl Default for Pace {
-    fn default() -> Self {
-        Self(4)
-    }
-}
-
-impl Pace {
-    /// A pass shall take between half of this and this.
-    const GOAL: Duration = Duration::from_millis(30);
-
-    /// Looks at the blocks, and runs of samples after them; at most so many.
-    pub fn looks(&self, most: u32) -> u32 {
-        self.0.min(most)
-    }
-
-    /// What a pass took.
-    pub fn learn(&mut self, took: Duration) {
-        if took > Self::GOAL {
-            self.0 = (self.0 / 2).max(1);
-        } else if took < Self::GOAL / 2 {
-            self.0 = (self.0 * 2).min(1 << 16);
-        }
     }
 }

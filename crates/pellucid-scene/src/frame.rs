@@ -62,6 +62,11 @@ pub enum RenderWarning {
         /// What was short, and what was done.
         reason: String,
     },
+    /// Something was asked for that could not be had, and something else stands for it.
+    Fallback {
+        /// What was missing, and what was done.
+        reason: String,
+    },
 }
 
 impl RenderWarning {
@@ -80,7 +85,7 @@ impl fmt::Display for RenderWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Empty { reason } => write!(f, "the picture is empty: {reason}"),
-            Self::Memory { reason } => f.write_str(reason),
+            Self::Memory { reason } | Self::Fallback { reason } => f.write_str(reason),
         }
     }
 }

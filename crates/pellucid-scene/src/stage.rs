@@ -2,12 +2,20 @@
 
 use glam::DVec3;
 
-use crate::{Classification, Mode, Region, Slice, Stage, StageVolume};
+use crate::{Classification, Mode, Region, Slice, Slicing, Stage, StageVolume, Technique};
 
 impl Stage {
     /// What is made of the samples.
     pub fn mode(&self) -> &Mode {
         self.technique.mode()
+    }
+
+    /// The settings of slices, if those draw.
+    pub fn slicing(&self) -> Option<&Slicing> {
+        match &self.technique {
+            Technique::Slicing(slicing) => Some(slicing),
+            _ => None,
+        }
     }
 
     /// Whether voxels are classified and their colours interpolated (4.2).

@@ -14,6 +14,7 @@ pub use adapter::{AdapterChoice, AdapterSummary, adapters};
 pub use capabilities::Capabilities;
 
 use crate::GpuError;
+use crate::shaders::Constants;
 
 /// An open device. Errors that the driver reports late are kept and come out of [`Device::check`].
 pub struct Device {
@@ -78,6 +79,20 @@ impl Device {
             self.note(GpuError::Lost { reason: error.to_string() });
         }
         self.check()
+    }
+
+    /// Where its shaders find what is the same for all of their invocations.
+    pub(crate) fn constants(&self) -> Constants {
+        if self.adapter.is_software() { Constants::Stored } else { Constants::Uniform }
+    }
+
+    /// A buffer of constants.
+    pub(crate) fn constant_buffer(&self, label: &str, contents: &[u8]) -> Buffer {
+        let usage = match self.constants() {
+            Constants::Uniform => BufferUsages::UNIFORM,
+            Constants::Stored => BufferUsages::STORAGE,
+        };
+        self.buffer(label, contents, usage)
     }
 
     /// A buffer with something in it. Where there is no memory it is one without use, and

@@ -7,7 +7,21 @@
 #import pellucid::kernel::{kernels, weight, MOST_FOURS, MOST_GRADIENT_TAPS}
 #endif
 
+#ifdef STACK
+// One layer for each plane of voxels across an axis (3.2-1).
+@group(1) @binding(0) var volume: texture_2d_array<f32>;
+
+// A position in the stack: in its layers, and along them.
+fn in_stack(p: vec3<f32>) -> vec3<f32> {
+    switch frame.noise.w {
+        case 0u: { return p.yzx; }
+        case 1u: { return p.xzy; }
+        default: { return p; }
+    }
+}
+#else
 @group(1) @binding(0) var volume: texture_3d<f32>;
+#endif
 #ifdef HARDWARE
 @group(1) @binding(1) var linear: sampler;
 #endif
@@ -52,6 +66,10 @@ fn is_here(p: vec3<f32>) -> bool {
 }
 
 fn stored_voxel(voxel: vec3<i32>) -> f32 {
+#ifdef STACK
+    let place = vec3<i32>(in_stack(vec3<f32>(voxel)));
+    return textureLoad(volume, place.xy, place.z, 0).x;
+#else
 #ifdef BRICKS
     // A gradient in the overlap reaches over the brick's border by as little.
     let last = vec3<i32>(textureDimensions(volume)) - 1;
@@ -59,11 +77,26 @@ fn stored_voxel(voxel: vec3<i32>) -> f32 {
 #else
     return textureLoad(volume, voxel, 0).x;
 #endif
+#endif
 }
 
 #ifdef HARDWARE
 // The data value at a position, interpolated by the sampler.
 fn field_value(p: vec3<f32>) -> f32 {
+#ifdef STACK
+    // Between two layers by two fetches (3.4-1); one where a position lies in a layer.
+    const ROUNDING: f32 = 1e-3;
+    let q = in_stack(inside_grid(p));
+    let uv = (q.xy + 0.5) / vec2<f32>(textureDimensions(volume));
+    let layer = floor(q.z + 0.5);
+    let beside = q.z - layer;
+    let value = textureSampleLevel(volume, linear, uv, i32(layer), 0.0).x;
+    if abs(beside) < ROUNDING {
+        return data_value(value);
+    }
+    let other = textureSampleLevel(volume, linear, uv, i32(layer + sign(beside)), 0.0).x;
+    return data_value(mix(value, other, abs(beside)));
+#else
     let size = vec3<f32>(textureDimensions(volume));
 #ifdef BRICKS
     let texel = p - vec3<f32>(bounds.texture_low.xyz);
@@ -71,6 +104,7 @@ fn field_value(p: vec3<f32>) -> f32 {
     let texel = p;
 #endif
     return data_value(textureSampleLevel(volume, linear, (texel + 0.5) / size, 0.0).x);
+#endif
 }
 #else
 // Where an absent voxel is met, the nearest one's value stands for it; where that is absent there is no

@@ -45,7 +45,7 @@ struct Frame {
     blocks: vec4<u32>,
     // Lights, clip planes, isosurfaces; 1 if surfaces are lit on both sides.
     counts: vec4<u32>,
-    // Shift of the blue noise; 1 if rays are jittered by it.
+    // Shift of the blue noise; 1 if rays are jittered by it; the axis across which a stack of 2D textures lies.
     noise: vec4<u32>,
 }
 
@@ -60,5 +60,10 @@ struct Pass {
     core_high: vec4<u32>,
 }
 
+#ifdef STORED_CONSTANTS
+@group(0) @binding(0) var<storage, read> frame: Frame;
+@group(0) @binding(1) var<storage, read> bounds: Pass;
+#else
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> bounds: Pass;
+#endif

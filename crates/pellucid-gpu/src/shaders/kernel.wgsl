@@ -19,7 +19,11 @@ struct Kernels {
     polynomials: array<vec4<f32>, 336>,
 }
 
+#ifdef STORED_CONSTANTS
+@group(1) @binding(3) var<storage, read> kernels: Kernels;
+#else
 @group(1) @binding(3) var<uniform> kernels: Kernels;
+#endif
 
 // The most taps of a filter, in fours, and of a gradient.
 const MOST_FOURS: u32 = 4u;

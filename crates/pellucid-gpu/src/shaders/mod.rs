@@ -24,7 +24,7 @@ macro_rules! source {
 }
 
 /// What passes import; each only from those above it.
-const SHARED: [Source; 11] = [
+const SHARED: [Source; 13] = [
     source!("frame"),
     source!("ray"),
     source!("kernel"),
@@ -36,6 +36,8 @@ const SHARED: [Source; 11] = [
     source!("surface"),
     source!("projected"),
     source!("preclassify"),
+    source!("slices"),
+    source!("polygon"),
 ];
 
 /// What a pass makes of the volume.
@@ -63,11 +65,34 @@ pub enum Pass {
     Slice,
     /// Rays into pixels.
     Resolve,
+    /// Polygons in which slices cut boxes.
+    SlicePolygons,
+    /// The same, cut by the processor.
+    SliceGivenPolygons,
+    /// Shells around the eye.
+    SliceShells,
+    /// Marks pixels that slices have made opaque.
+    SliceDone,
+    /// The least opacity of squares of pixels.
+    SliceTiles,
+    /// Boxes that slices hide.
+    SliceOcclusion,
+}
+
+/// How a pass gets at the samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Traversal {
+    /// Along rays.
+    Rays,
+    /// Slice by slice: what a fragment adds.
+    Slices,
+    /// What slices have added up to, as pixels.
+    SlicePixels,
 }
 
 impl Pass {
     /// All passes.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 17] = [
         Self::Composite,
         Self::CompositePre,
         Self::PreIntegrated,
@@ -79,13 +104,29 @@ impl Pass {
         Self::Isosurface,
         Self::Slice,
         Self::Resolve,
+        Self::SlicePolygons,
+        Self::SliceGivenPolygons,
+        Self::SliceShells,
+        Self::SliceDone,
+        Self::SliceTiles,
+        Self::SliceOcclusion,
     ];
 
+    /// Whether it makes something of samples along rays, which slices can do as well.
+    pub(crate) fn samples(self) -> bool {
+        use Pass::*;
+        let sampling = [Composite, CompositePre, PreIntegrated, Maximum, Minimum, Average, Additive, XRay, Isosurface];
+        sampling.contains(&self)
+    }
+
     /// The file with the entry point, and the mode it walks for.
-    fn sources(self) -> (Source, Option<Source>) {
-        let samples = |mode| (source!("samples"), Some(mode));
-        let segments = |mode| (source!("segments"), Some(mode));
+    fn sources(self, traversal: Traversal) -> (Source, Option<Source>) {
+        let slices = traversal == Traversal::Slices;
+        let samples = |mode| (if slices { source!("slice_samples") } else { source!("samples") }, Some(mode));
+        let segments = |mode| (if slices { source!("slice_segments") } else { source!("segments") }, Some(mode));
         match self {
+            _ if traversal == Traversal::SlicePixels => (source!("slice_pixels"), None),
+            Self::Maximum | Self::Minimum | Self::Average if slices => samples(source!("slice_value")),
             Self::Composite | Self::CompositePre => samples(source!("composite")),
             Self::Maximum | Self::Minimum => samples(source!("extreme")),
             Self::Average => samples(source!("average")),
@@ -95,6 +136,10 @@ impl Pass {
             Self::Isosurface => segments(source!("isosurface")),
             Self::Slice => (source!("slice"), None),
             Self::Resolve => (source!("resolve"), None),
+            Self::SlicePolygons | Self::SliceGivenPolygons | Self::SliceShells => (source!("slice_proxies"), None),
+            Self::SliceDone => (source!("slice_done"), None),
+            Self::SliceTiles => (source!("slice_tiles"), None),
+            Self::SliceOcclusion => (source!("slice_occlusion"), None),
         }
     }
 
@@ -104,11 +149,28 @@ impl Pass {
     }
 }
 
+impl Traversal {
+    /// All ways.
+    pub const ALL: [Self; 3] = [Self::Rays, Self::Slices, Self::SlicePixels];
+}
+
+/// Where shaders find what is the same for all of their invocations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Constants {
+    /// In uniform buffers, which graphics hardware has caches for.
+    Uniform,
+    /// In storage buffers: Mesa's software driver compiles a shader anew for every submission, and keeps them
+    /// all, if uniforms decide which way it goes.
+    Stored,
+}
+
 /// One shader: a pass, and what of it is compiled in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Variant {
     /// The pass.
     pub pass: Pass,
+    /// Where its samples come from.
+    pub traversal: Traversal,
     /// The sampler interpolates, not the shader.
     pub hardware: bool,
     /// Some voxels are absent.
@@ -129,6 +191,10 @@ pub struct Variant {
     pub kernels: bool,
     /// Steps adapt to the data.
     pub strides: bool,
+    /// The volume is a stack of 2D textures.
+    pub stack: bool,
+    /// Colours are interpolated without their opacity.
+    pub bleeding: bool,
 }
 
 impl Variant {
@@ -137,6 +203,7 @@ impl Variant {
         let off = false;
         Self {
             pass,
+            traversal: Traversal::Rays,
             hardware: off,
             holes: off,
             bricks: off,
@@ -147,17 +214,20 @@ impl Variant {
             wavefront: off,
             kernels: off,
             strides: off,
+            stack: off,
+            bleeding: off,
         }
     }
 
     /// Every shader there is.
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
-        for pass in Pass::ALL {
-            for bits in 0..1 << 10 {
+        for (pass, traversal) in Pass::ALL.into_iter().flat_map(|pass| Traversal::ALL.map(|how| (pass, how))) {
+            for bits in 0..1 << 12 {
                 let on = |bit: u32| bits >> bit & 1 == 1;
                 let variant = Self {
                     pass,
+                    traversal,
                     hardware: on(0),
                     holes: on(1),
                     bricks: on(2),
@@ -168,6 +238,8 @@ impl Variant {
                     wavefront: on(7),
                     kernels: on(8),
                     strides: on(9),
+                    stack: on(10),
+                    bleeding: on(11),
                 };
                 if variant == variant.canonical() {
                     all.push(variant);
@@ -180,21 +252,35 @@ impl Variant {
     /// The same shader without flags that mean nothing to it.
     pub fn canonical(mut self) -> Self {
         use Pass::*;
+        if !self.pass.samples() {
+            self.traversal = Traversal::Rays;
+        }
+        let slices = self.traversal == Traversal::Slices;
+        let pixels = self.traversal == Traversal::SlicePixels;
+        if pixels && matches!(self.pass, CompositePre | PreIntegrated | Additive | Isosurface) {
+            // Their slices are blended as colours.
+            self.pass = Composite;
+        }
         let lights = matches!(self.pass, Composite | CompositePre | PreIntegrated | Isosurface);
         let projects = matches!(self.pass, Maximum | Minimum | Average | Slice);
+        let reads = (self.pass.samples() || self.pass == Slice) && !pixels;
         // Voxels without value cannot be left to a sampler, and classified voxels are not sampled
         // (but their gradients would be).
-        self.hardware &= !self.holes && self.pass != Resolve;
-        self.holes &= self.pass != Resolve;
-        self.bricks &= self.pass != Resolve;
-        self.skip &= !matches!(self.pass, Average | Slice | Resolve);
-        self.shaded &= lights;
+        self.hardware &= !self.holes && reads;
+        self.holes &= reads;
+        self.bricks &= reads;
+        // Slices leap by what is not drawn.
+        self.skip &= reads && !slices && !matches!(self.pass, Average | Slice);
+        self.shaded &= lights && reads;
         self.weighted &= self.shaded;
-        self.opaque &= projects;
+        // Values of slices are classified once they are blended.
+        self.opaque &= projects && !slices;
         // Bricks are passes already.
-        self.wavefront &= !self.bricks && self.pass != Resolve;
-        self.kernels &= self.pass != Resolve;
+        self.wavefront &= !self.bricks && reads && !slices;
+        self.kernels &= reads;
         self.strides &= self.skip && self.pass == Composite;
+        self.stack &= slices && !self.bricks && !self.kernels;
+        self.bleeding &= slices && self.pass == CompositePre;
         self
     }
 
@@ -219,6 +305,13 @@ impl Variant {
             ("EXTREMES", self.pass.compares_extremes()),
             ("MINIMUM", self.pass == Pass::Minimum),
             ("PRECLASSIFIED", self.pass == Pass::CompositePre),
+            ("STACK", self.stack),
+            ("BLEEDING", self.bleeding),
+            ("GIVEN", self.pass == Pass::SliceGivenPolygons),
+            ("SHELLS", self.pass == Pass::SliceShells),
+            ("MEAN", self.pass == Pass::Average),
+            ("TRANSMITTANCE", self.pass == Pass::XRay),
+            ("CLASSIFIED_LAST", matches!(self.pass, Pass::Maximum | Pass::Minimum | Pass::Average)),
         ];
         let defined = |(name, on): (&str, bool)| on.then(|| (name.to_owned(), ShaderDefValue::Bool(true)));
         names.into_iter().filter_map(defined).collect()
@@ -228,9 +321,12 @@ impl Variant {
     ///
     /// # Errors
     /// [`GpuError::Shader`] with the compiler's message; a test links every variant.
-    pub fn link(&self) -> Result<naga::Module, GpuError> {
-        let defines = self.defines();
-        let (entry, mode) = self.pass.sources();
+    pub fn link(&self, constants: Constants) -> Result<naga::Module, GpuError> {
+        let mut defines = self.defines();
+        if constants == Constants::Stored {
+            defines.insert("STORED_CONSTANTS".to_owned(), ShaderDefValue::Bool(true));
+        }
+        let (entry, mode) = self.pass.sources(self.traversal);
         let mut composer = Composer::default();
         for source in SHARED.iter().chain(&mode) {
             let module = ComposableModuleDescriptor {

@@ -3,9 +3,32 @@
 
 #import pellucid::frame::bounds
 #import pellucid::field::{cell_of, data_value, inside_grid, is_present, last_voxel, stored_voxel}
-#import pellucid::table::classify
+#import pellucid::frame::frame
+#import pellucid::table::{classify, opacity_over}
 #ifdef KERNELS
 #import pellucid::kernel::{kernels, weight}
+#endif
+
+// The colour that is interpolated: associated, unless those of invisible voxels are to bleed (3.2-8).
+fn color_at(value: f32) -> vec4<f32> {
+    let rgba = classify(value);
+#ifdef BLEEDING
+    return vec4<f32>(rgba.rgb, opacity_over(rgba.a, frame.limits.w));
+#else
+    return rgba;
+#endif
+}
+
+// What was interpolated, as an associated colour.
+fn associated(rgba: vec4<f32>) -> vec4<f32> {
+#ifdef BLEEDING
+    return vec4<f32>(rgba.rgb * rgba.a, rgba.a);
+#else
+    return rgba;
+#endif
+}
+
+#ifdef KERNELS
 
 // The voxels themselves, where the field is made of coefficients.
 @group(1) @binding(4) var voxels: texture_3d<f32>;
@@ -19,7 +42,7 @@ fn color_of(voxel: vec3<i32>) -> vec4<f32> {
     if !is_present(stored) {
         return vec4<f32>(0.0);
     }
-    return classify(stored * kernels.classified.x + kernels.classified.y);
+    return color_at(stored * kernels.classified.x + kernels.classified.y);
 }
 
 // Under the filter's weights; kernels that reach over the border meet the border voxel again.
@@ -28,7 +51,7 @@ fn classify_voxels(p: vec3<f32>) -> vec4<f32> {
     let last = last_voxel();
     let taps = kernels.taps.x;
     if taps == 0u {
-        return color_of(min(vec3<i32>(floor(q + 0.5)), last));
+        return associated(color_of(min(vec3<i32>(floor(q + 0.5)), last)));
     }
     let cell = floor(q);
     let v = q - cell - 0.5;
@@ -49,7 +72,7 @@ fn classify_voxels(p: vec3<f32>) -> vec4<f32> {
         sum += weight(k, v.z) * slice;
     }
     // Filters with negative weights overshoot.
-    return clamp(sum, vec4<f32>(0.0), vec4<f32>(1.0));
+    return associated(clamp(sum, vec4<f32>(0.0), vec4<f32>(1.0)));
 }
 #else
 fn color_of(voxel: vec3<i32>) -> vec4<f32> {
@@ -57,7 +80,7 @@ fn color_of(voxel: vec3<i32>) -> vec4<f32> {
     if !is_present(stored) {
         return vec4<f32>(0.0);
     }
-    return classify(data_value(stored));
+    return color_at(data_value(stored));
 }
 
 fn classify_voxels(p: vec3<f32>) -> vec4<f32> {
@@ -75,6 +98,6 @@ fn classify_voxels(p: vec3<f32>) -> vec4<f32> {
         mix(color_of(vec3<i32>(a.x, b.y, b.z)), color_of(b), u.x),
         u.y,
     );
-    return mix(near, far, u.z);
+    return associated(mix(near, far, u.z));
 }
 #endif

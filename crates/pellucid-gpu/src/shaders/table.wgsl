@@ -52,7 +52,7 @@ fn extinction(alpha: f32) -> f32 {
 
 // An associated colour over `ratio` times the length it holds for (1.4-14).
 fn over_length(rgba: vec4<f32>, ratio: f32) -> vec4<f32> {
-    if ratio >= 1.0 {
+    if ratio == 1.0 {
         return rgba;
     }
     let corrected = opacity_over(rgba.a, ratio);

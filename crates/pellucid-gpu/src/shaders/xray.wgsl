@@ -10,7 +10,7 @@ fn visit(state: ptr<function, State>, ray: Ray, sample: Sample, p: vec3<f32>) ->
     var alpha = classify(field_value(p)).a;
     if alpha > 0.0 {
         (*state).counts.y += 1u;
-        if sample.ratio < 1.0 {
+        if sample.ratio != 1.0 {
             alpha = opacity_over(alpha, sample.ratio);
         }
         (*state).color += (vec4<f32>(1.0) - (*state).color) * alpha;

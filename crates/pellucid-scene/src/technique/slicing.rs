@@ -3,14 +3,14 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Mode;
+use super::{Mode, Slice};
 use crate::check::{Checked, require};
 
 /// Settings of the slicers. Slices keep no depth and no normals: blending forgets where light came from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Slicing {
-    /// What becomes of the samples. Default composite. A slice of no thickness is a ray caster's.
+    /// What becomes of the samples. Default composite. Slabs have some thickness.
     pub mode: Mode,
     /// Where the slices lie. Default view_aligned.
     pub geometry: SliceGeometry,
@@ -126,6 +126,10 @@ pub enum Proxy {
 
 impl Slicing {
     pub(super) fn check(&self, path: &str) -> Checked {
+        if let Mode::Slice(Slice { thickness, .. }) = self.mode {
+            let expected = "a length above 0: a plane is for the ray caster";
+            require(thickness > 0.0, &format!("{path}.mode.slice"), "thickness", thickness, expected)?;
+        }
         require((1..=16).contains(&self.samples), path, "samples", self.samples, "1 to 16")?;
         let interval = self.termination_interval;
         require(interval <= 1000, path, "termination_interval", interval, "0 to 1000 slices")

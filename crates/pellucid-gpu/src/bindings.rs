@@ -1,0 +1,150 @@
+//! What shaders are given of a scene, whichever technique draws it.
+
+use bytemuck::{bytes_of, cast_slice};
+use pellucid_field::{Filter, Gradient};
+use pellucid_scene::{Stage, StageVolume};
+use wgpu::{
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindingResource, Buffer, FilterMode, Sampler,
+    SamplerDescriptor, TextureView,
+};
+
+use crate::Device;
+use crate::kernels::Kernels;
+use crate::optics::{Optics, lights};
+use crate::passes::PassBuffer;
+use crate::renderer::Interpolation;
+use crate::resident::Resident;
+use crate::shaders::Variant;
+use crate::uniforms::{self, Frame, Light};
+use crate::uploads::{Uploads, storage};
+
+/// The buffers of a frame: those that every technique reads.
+pub struct Bindings<'a> {
+    device: &'a Device,
+    uploads: &'a Uploads,
+    /// What is compiled into shaders that look at the volume.
+    pub variant: Variant,
+    /// Most looks at the blocks in a pass.
+    pub most_looks: u32,
+    kernels: Option<Buffer>,
+    /// If the texture unit interpolates.
+    sampler: Option<Sampler>,
+    /// Frame, planes, lights.
+    parts: [Buffer; 3],
+}
+
+impl<'a> Bindings<'a> {
+    /// Uploads what changes with the camera. `alter` has the last word on the frame's numbers.
+    pub fn new(
+        device: &'a Device,
+        resident: &Resident,
+        (stage, volume): (&Stage, &StageVolume),
+        (optics, uploads): (&Optics, &'a Uploads),
+        interpolation: Interpolation,
+        alter: impl FnOnce(&mut Frame),
+    ) -> Self {
+        let grid = volume.volume.grid();
+        let region = stage.region(volume);
+        let (filter, gradient) = (optics.tables.filter, stage.quality.gradient);
+        let encoding = resident.field().encoding;
+        let kernels =
+            Self::needs_kernels(stage, optics).then(|| Kernels::new(filter, gradient, resident.voxels().data()));
+        let variant = Variant {
+            hardware: interpolation == Interpolation::Hardware && encoding.filterable && filter == Filter::Linear,
+            holes: encoding.holes,
+            bricks: !resident.is_whole(),
+            shaded: volume.material.is_some() && lights(stage.mode()),
+            weighted: volume.gradient_weight.is_some(),
+            opaque: optics.opaque,
+            kernels: kernels.is_some(),
+            ..Variant::of(optics.pass)
+        };
+        let mut frame = Frame::new(stage, volume, &region);
+        frame.set_values(resident.field().data());
+        frame.set_nodes(&optics.nodes);
+        if let Some(blocks) = optics.blocks {
+            frame.set_blocks(blocks.dims, blocks.size);
+        }
+        alter(&mut frame);
+        let lights: Vec<Light> = stage.lights.iter().map(Light::from).collect();
+        let parts = [
+            device.constant_buffer("frame", bytes_of(&frame)),
+            storage(device, "planes", &uniforms::planes(&region, grid)),
+            storage(device, "lights", &lights),
+        ];
+        let kernels = kernels.filter(|_| variant.canonical().kernels);
+        Self {
+            device,
+            uploads,
+            variant,
+            most_looks: kernels.as_ref().map_or(u32::MAX, Kernels::most_looks),
+            kernels: kernels.map(|kernels| device.constant_buffer("kernels", cast_slice(&kernels.to_fours()))),
+            sampler: variant.canonical().hardware.then(|| sampler(device)),
+            parts,
+        }
+    }
+
+    /// Whether the filter is not linear, or the gradient not of central differences.
+    pub fn needs_kernels(stage: &Stage, optics: &Optics) -> bool {
+        optics.tables.filter != Filter::Linear || (stage.quality.gradient != Gradient::Central && lights(stage.mode()))
+    }
+
+    /// What a pipeline is told of the frame and its passes, with buffers and textures of its technique.
+    pub fn frame_group(
+        &self,
+        layout: &BindGroupLayout,
+        passes: &PassBuffer,
+        own: &[(u32, BindingResource)],
+    ) -> BindGroup {
+        let [frame, planes, lights] = &self.parts;
+        let Uploads { noise, levels, .. } = self.uploads;
+        let mut entries = vec![BindGroupEntry { binding: 1, resource: passes.binding() }];
+        for (binding, buffer) in [(0, frame), (2, planes), (3, noise), (4, lights), (6, levels)] {
+            entries.push(BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+        }
+        entries.extend(
+            own.iter().map(|(binding, resource)| BindGroupEntry { binding: *binding, resource: resource.clone() }),
+        );
+        self.device.device.create_bind_group(&BindGroupDescriptor { label: Some("frame"), layout, entries: &entries })
+    }
+
+    /// The textures of a brick.
+    pub fn volume_group(&self, layout: &BindGroupLayout, [field, voxels]: &[TextureView; 2]) -> BindGroup {
+        let mut entries = vec![
+            BindGroupEntry { binding: 0, resource: BindingResource::TextureView(field) },
+            BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&self.uploads.blocks) },
+        ];
+        if let Some(sampler) = &self.sampler {
+            entries.push(BindGroupEntry { binding: 1, resource: BindingResource::Sampler(sampler) });
+        }
+        if let Some(kernels) = &self.kernels {
+            entries.push(BindGroupEntry { binding: 3, resource: kernels.as_entire_binding() });
+        }
+        if self.variant.has_voxels() {
+            entries.push(BindGroupEntry { binding: 4, resource: BindingResource::TextureView(voxels) });
+        }
+        self.device.device.create_bind_group(&BindGroupDescriptor { label: Some("volume"), layout, entries: &entries })
+    }
+
+    /// A group of nothing, between those of a frame and of tables.
+    pub fn empty_group(&self, layout: &BindGroupLayout) -> BindGroup {
+        self.device.device.create_bind_group(&BindGroupDescriptor { label: None, layout, entries: &[] })
+    }
+
+    /// The table.
+    pub fn table_group(&self, layout: &BindGroupLayout) -> BindGroup {
+        self.device.device.create_bind_group(&BindGroupDescriptor {
+            label: Some("tables"),
+            layout,
+            entries: &[BindGroupEntry { binding: 0, resource: self.uploads.entries.as_entire_binding() }],
+        })
+    }
+}
+
+fn sampler(device: &Device) -> Sampler {
+    device.device.create_sampler(&SamplerDescriptor {
+        mag_filter: FilterMode::Linear,
+        min_filter: FilterMode::Linear,
+        ..Default::default()
+    })
+}

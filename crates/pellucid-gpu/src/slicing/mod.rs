@@ -1,0 +1,391 @@
+//! Slices through the volume, blended by the device (chapter 3): what fragments find is what the ray caster would
+//! find at the same place, by the same shaders.
+
+mod blending;
+mod boxes;
+mod geometry;
+mod lattice;
+mod pipelines;
+mod polygon;
+mod targets;
+mod view;
+
+use std::ops::Range;
+use std::time::Instant;
+
+use bytemuck::bytes_of;
+use pellucid_scene::{Control, Frame as Picture, RenderWarning, Slicing, Stage, StageVolume};
+use wgpu::{
+    BindGroup, BindingResource, Buffer, BufferUsages, CommandEncoder, CommandEncoderDescriptor, IndexFormat, LoadOp,
+    Operations, RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor, StoreOp,
+};
+
+use crate::bindings::Bindings;
+use crate::dispatch::dispatch;
+use crate::optics::Optics;
+use crate::passes::PassBuffer;
+use crate::pipelines::{Pipeline, Pipelines};
+use crate::renderer::Drawing;
+use crate::resident::Resident;
+use crate::reused::Reused;
+use crate::shaders::{Pass, Traversal, Variant};
+use crate::targets::Targets;
+use crate::texture::Layout;
+use crate::timer::Timer;
+use crate::uniforms;
+use crate::uploads::Uploads;
+use crate::{Device, GpuError};
+
+use blending::{Blending, cleared};
+use geometry::{Geometry, MOST_STRIDE};
+use lattice::Lattice;
+use pipelines::DrawPipeline;
+
+#[cfg(test)]
+pub use boxes::SliceBox;
+pub use pipelines::DrawPipelines;
+pub use targets::Canvas;
+
+/// Most looks at what is done in a frame: each waits for the slices before it.
+const MOST_LOOKS: u32 = 64;
+
+/// How a stage's slices want voxels to lie in textures, and how many voxels beyond a brick they read.
+pub fn demands(stage: &Stage, volume: &StageVolume, optics: &Optics, slicing: &Slicing) -> (Layout, usize) {
+    let grid = volume.volume.grid();
+    let lattice = Lattice::new(stage, grid, slicing);
+    let filtered = Bindings::needs_kernels(stage, optics);
+    let layout = lattice.axis.filter(|_| !filtered).map_or(Layout::Solid, Layout::Stack);
+    (layout, crate::bricks::border(stage, grid, lattice.longest.min(MOST_STRIDE)))
+}
+
+/// Everything on the device that one frame is drawn with.
+pub struct Slicer<'a> {
+    device: &'a Device,
+    resident: &'a mut Resident,
+    stage: &'a Stage,
+    volume: &'a StageVolume,
+    slicing: &'a Slicing,
+    bindings: Bindings<'a>,
+    lattice: Lattice,
+    geometry: Geometry,
+    blending: Blending,
+    slices: DrawPipeline,
+    done: DrawPipeline,
+    tiles: Pipeline,
+    occlusion: Pipeline,
+    pixels: Pipeline,
+    warnings: Vec<RenderWarning>,
+}
+
+/// A band of the picture, for one of the rays of its pixels: where it is, and what it is drawn with.
+struct Layer {
+    rows: u32,
+    passes: PassBuffer,
+    numbers: Buffer,
+    slices: BindGroup,
+    done: BindGroup,
+    tiles: BindGroup,
+    occlusion: BindGroup,
+}
+
+impl<'a> Slicer<'a> {
+    /// Makes pipelines and what changes with the camera.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn new(
+        device: &'a Device,
+        pipelines: (&mut Pipelines, &mut DrawPipelines),
+        resident: &'a mut Resident,
+        (stage, volume, slicing): (&'a Stage, &'a StageVolume, &'a Slicing),
+        (optics, uploads): (&Optics, &'a Uploads),
+        drawing: Drawing,
+    ) -> Result<Self, GpuError> {
+        let (pipelines, draws) = pipelines;
+        let grid = volume.volume.grid();
+        let lattice = Lattice::new(stage, grid, slicing);
+        let alter = |frame: &mut uniforms::Frame| {
+            if !lattice.jitters() {
+                frame.noise[2] = 0;
+            }
+            frame.noise[3] = lattice.axis.unwrap_or(0) as u32;
+        };
+        let mut bindings =
+            Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter);
+        bindings.variant = Variant {
+            traversal: Traversal::Slices,
+            stack: resident.plan.layout != Layout::Solid,
+            bleeding: slicing.colors == pellucid_scene::ColorWeight::NonAssociated,
+            opaque: false,
+            ..bindings.variant
+        }
+        .canonical();
+        let (blending, is_coarse) = Blending::new(device, optics.pass, slicing);
+        let margin = view::margin(stage, grid, &lattice);
+        let geometry = Geometry::new(device, (stage, grid), (slicing, &lattice), optics, &resident.bricks, margin)?;
+        let pixels = Variant { traversal: Traversal::SlicePixels, opaque: optics.opaque, ..Variant::of(optics.pass) };
+        let mut warnings = Vec::new();
+        if is_coarse {
+            let reason = "the graphics device does not blend 32-bit floats: slices are blended in 16 bits".to_owned();
+            warnings.push(RenderWarning::Fallback { reason });
+        }
+        if lattice.longest.is_infinite() {
+            let reason = "some rays run along the slices or meet them from behind, and see nothing: \
+                view_aligned slices have none"
+                .to_owned();
+            warnings.push(RenderWarning::Fallback { reason });
+        }
+        Ok(Self {
+            device,
+            slices: draws.slices(device, bindings.variant, geometry.pass, blending)?,
+            done: draws.done(device)?,
+            tiles: pipelines.get(device, Variant::of(Pass::SliceTiles))?.clone(),
+            occlusion: pipelines.get(device, Variant::of(Pass::SliceOcclusion))?.clone(),
+            pixels: pipelines.get(device, pixels)?.clone(),
+            resident,
+            stage,
+            volume,
+            slicing,
+            bindings,
+            lattice,
+            geometry,
+            blending,
+            warnings,
+        })
+    }
+
+    /// Draws all bands into a picture of the stage's size.
+    ///
+    /// # Errors
+    /// [`GpuError::Cancelled`], or what the device reports.
+    pub fn draw(&mut self, reused: &mut Reused, control: &Control, picture: &mut Picture) -> Result<(), GpuError> {
+        let (width, height) = (picture.width as u32, picture.height as u32);
+        let rays = self.stage.quality.supersampling.pow(2);
+        let mut busy = reused.timer.as_ref().filter(|_| self.resident.is_complete()).map(|_| 0.0);
+        let mut row = 0;
+        while row < height {
+            let rows = self.resident.plan.rows.min(height - row);
+            let size = [width, rows];
+            // The old ones go first.
+            reused.targets.take_if(|targets| !targets.fits(width, rows));
+            reused.canvas.take_if(|canvas| !canvas.fits(size, &self.blending));
+            let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, width, rows));
+            let canvas = reused.canvas.get_or_insert_with(|| Canvas::new(self.device, size, &self.blending));
+            for sub in 0..rays {
+                let layer = self.layer(canvas, [row, rows, sub]);
+                let timer = reused.timer.as_ref();
+                let seconds = self.draw_layer(canvas, &layer, timer, &mut reused.slices, control)?;
+                busy = busy.zip(seconds).map(|(busy, seconds)| busy + seconds);
+                let mut encoder = self.encoder();
+                self.add_to_pixels(&mut encoder, canvas, targets, &layer);
+                if sub + 1 == rays {
+                    targets.copy(&mut encoder, rows);
+                }
+                self.device.queue.submit([encoder.finish()]);
+            }
+            targets.read(self.device, row, rows, picture)?;
+            row += rows;
+            control.report(f64::from(row) / f64::from(height));
+        }
+        picture.statistics.device_seconds = busy;
+        picture.warnings.append(&mut self.warnings);
+        Ok(())
+    }
+
+    /// What a band is drawn with.
+    fn layer(&self, canvas: &Canvas, [row, rows, sub]: [u32; 3]) -> Layer {
+        let Self { bindings, geometry, .. } = self;
+        let pass = |(brick, _): &(crate::bricks::Brick, Range<u32>)| {
+            let [x, y, z] = brick.voxels.low.map(|v| v as u32);
+            uniforms::Pass { rows: [row, rows, sub, u32::MAX], texture_low: [x, y, z, 0], ..uniforms::Pass::default() }
+        };
+        let passes = PassBuffer::new(self.device, geometry.shares.iter().map(pass));
+        let what = (self.slicing, bindings.variant.pass, geometry.slices);
+        let numbers = view::numbers(self.stage, self.volume.volume.grid(), &self.lattice, what, [row, rows, sub]);
+        let numbers = self.device.constant_buffer("slices", bytes_of(&numbers));
+        // At first all boxes may be seen.
+        let seen = vec![1u32; geometry.box_count.max(1) as usize];
+        let visible = self.device.buffer("visible", bytemuck::cast_slice(&seen), BufferUsages::STORAGE);
+        let group = |layout, own: &[(u32, BindingResource)]| bindings.frame_group(layout, &passes, own);
+        let [boxes, instances, visible, slices, tiles] =
+            [&geometry.boxes, &geometry.instances, &visible, &numbers, &canvas.tiles].map(Buffer::as_entire_binding);
+        let colors = BindingResource::TextureView(&canvas.colors);
+        Layer {
+            rows,
+            slices: group(
+                &self.slices.groups[0],
+                &[(9, slices.clone()), (10, boxes.clone()), (11, instances), (12, visible.clone())],
+            ),
+            done: group(&self.done.groups[0], &[(9, slices.clone()), (13, colors.clone())]),
+            tiles: group(&self.tiles.groups[0], &[(13, colors), (15, tiles.clone())]),
+            occlusion: group(
+                &self.occlusion.groups[0],
+                &[(9, slices.clone()), (10, boxes), (15, tiles), (16, visible)],
+            ),
+            passes,
+            numbers: numbers.clone(),
+        }
+    }
+
+    /// Blends all slices, in submissions of bounded length. Returns the seconds that the device worked, if it
+    /// tells.
+    fn draw_layer(
+        &mut self,
+        canvas: &Canvas,
+        layer: &Layer,
+        timer: Option<&Timer>,
+        pace: &mut crate::pace::Pace,
+        control: &Control,
+    ) -> Result<Option<f64>, GpuError> {
+        let timer = timer.filter(|_| self.resident.is_complete());
+        let table = self.bindings.table_group(&self.slices.groups[2]);
+        let between = self.between_looks();
+        let mut until_look = between;
+        let mut busy = Some(0.0);
+        let mut is_first = true;
+        let shares = self.geometry.shares.clone();
+        for (number, (brick, range)) in shares.iter().enumerate() {
+            let offset = layer.passes.offset(number);
+            let mut next = range.start;
+            // Pixels without a slice have to be cleared, too.
+            while next < range.end || (is_first && number + 1 == shares.len()) {
+                if control.is_cancelled() {
+                    return Err(GpuError::Cancelled);
+                }
+                let views = self.resident.textures(self.device, brick, control)?;
+                let volume = self.bindings.volume_group(&self.slices.groups[1], &views);
+                if self.resident.is_complete() {
+                    // Uploads are not what is measured.
+                    self.device.wait()?;
+                }
+                let started = Instant::now();
+                let mut encoder = self.encoder();
+                let end = range.end.min(next + pace.amount(range.end - next));
+                let mut marked = false;
+                loop {
+                    if until_look == 0 {
+                        self.look(&mut encoder, canvas, layer, offset, timer.filter(|_| !marked));
+                        (until_look, marked) = (between, true);
+                    }
+                    let some = until_look.min(end - next);
+                    let marks = timer.and_then(|timer| timer.render_writes(!marked, next + some == end));
+                    marked = true;
+                    let mut pass = self.begin(&mut encoder, canvas, is_first, marks);
+                    is_first = false;
+                    pass.set_pipeline(&self.slices.pipeline);
+                    pass.set_bind_group(0, &layer.slices, &[offset]);
+                    pass.set_bind_group(1, &volume, &[]);
+                    pass.set_bind_group(2, &table, &[]);
+                    pass.set_index_buffer(self.geometry.indices.slice(..), IndexFormat::Uint16);
+                    pass.draw_indexed(0..self.geometry.index_count, 0, next..next + some);
+                    drop(pass);
+                    next += some;
+                    until_look -= some;
+                    if next == end {
+                        break;
+                    }
+                }
+                if let Some(timer) = timer {
+                    timer.copy(&mut encoder);
+                }
+                let submission = self.device.queue.submit([encoder.finish()]);
+                if self.resident.is_complete() {
+                    self.device.wait()?;
+                    pace.learn(started.elapsed());
+                    busy = busy.zip(timer.and_then(Timer::seconds)).map(|(busy, seconds)| busy + seconds);
+                } else {
+                    self.resident.used(submission);
+                    self.device.check()?;
+                }
+            }
+        }
+        Ok(busy.filter(|_| timer.is_some()))
+    }
+
+    /// Proxies between two looks at what is done.
+    fn between_looks(&self) -> u32 {
+        let interval = self.slicing.termination_interval;
+        if interval == 0 || !self.blending.terminates {
+            return u32::MAX;
+        }
+        let looks = (self.geometry.slices / interval).clamp(1, MOST_LOOKS);
+        self.geometry.count().div_ceil(looks).max(1)
+    }
+
+    /// Marks what is done: pixels, so that fragments behind them are not worked on (8.6-2), and boxes that are
+    /// behind nothing but such pixels (8.5-1).
+    fn look(&self, encoder: &mut CommandEncoder, canvas: &Canvas, layer: &Layer, offset: u32, timer: Option<&Timer>) {
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some("done"),
+            depth_stencil_attachment: Some(depth(canvas, LoadOp::Load)),
+            timestamp_writes: timer.and_then(|timer| timer.render_writes(true, false)),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.done.pipeline);
+        pass.set_bind_group(0, &layer.done, &[offset]);
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        if self.slicing.occlusion_culling && self.geometry.box_count > 1 {
+            let tiles = [self.stage.viewpoint.width as u32, layer.rows].map(|n| n.div_ceil(targets::TILE));
+            dispatch(encoder, &self.tiles.pipeline, &[&layer.tiles], offset, tiles, None);
+            // Workgroups of 64 in a row.
+            let boxes = [self.geometry.box_count.div_ceil(8), 1];
+            dispatch(encoder, &self.occlusion.pipeline, &[&layer.occlusion], offset, boxes, None);
+        }
+    }
+
+    fn begin<'e>(
+        &self,
+        encoder: &'e mut CommandEncoder,
+        canvas: &Canvas,
+        clears: bool,
+        timestamp_writes: Option<wgpu::RenderPassTimestampWrites>,
+    ) -> wgpu::RenderPass<'e> {
+        let target = |view, color| {
+            let load = if clears { LoadOp::Clear(color) } else { LoadOp::Load };
+            Some(RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: Operations { load, store: StoreOp::Store },
+            })
+        };
+        encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some("slices"),
+            color_attachments: &[
+                target(&canvas.colors, cleared(self.bindings.variant.pass)),
+                target(&canvas.counts, wgpu::Color::TRANSPARENT),
+            ],
+            depth_stencil_attachment: Some(depth(canvas, if clears { LoadOp::Clear(1.0) } else { LoadOp::Load })),
+            timestamp_writes,
+            ..Default::default()
+        })
+    }
+
+    /// What was blended becomes a part of the pixels.
+    fn add_to_pixels(&self, encoder: &mut CommandEncoder, canvas: &Canvas, targets: &Targets, layer: &Layer) {
+        let own = [
+            (7, targets.pixels.as_entire_binding()),
+            (9, layer.numbers.as_entire_binding()),
+            (13, BindingResource::TextureView(&canvas.colors)),
+            (14, BindingResource::TextureView(&canvas.counts)),
+        ];
+        let frame = self.bindings.frame_group(&self.pixels.groups[0], &layer.passes, &own);
+        let nothing = self.bindings.empty_group(&self.pixels.groups[1]);
+        let table = self.bindings.table_group(&self.pixels.groups[2]);
+        let size = [targets.width, layer.rows];
+        dispatch(encoder, &self.pixels.pipeline, &[&frame, &nothing, &table], 0, size, None);
+    }
+
+    fn encoder(&self) -> CommandEncoder {
+        self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("slices") })
+    }
+}
+
+fn depth<'c>(canvas: &'c Canvas, load: LoadOp<f32>) -> RenderPassDepthStencilAttachment<'c> {
+    RenderPassDepthStencilAttachment {
+        view: &canvas.done,
+        depth_ops: Some(Operations { load, store: StoreOp::Store }),
+        stencil_ops: None,
+    }
+}

@@ -1,0 +1,116 @@
+//! The pipelines that draw slices.
+
+use std::collections::HashMap;
+
+use wgpu::{
+    BindGroupLayout, ColorTargetState, ColorWrites, CompareFunction, DepthStencilState, FragmentState, PrimitiveState,
+    RenderPipeline, RenderPipelineDescriptor, ShaderModule, VertexState,
+};
+
+use super::blending::{Blending, SUM};
+use super::targets::DEPTH;
+use crate::pipelines::{groups, module, pipeline_layout};
+use crate::shaders::{Pass, Variant};
+use crate::{Device, GpuError};
+
+/// A pipeline that draws, and the layouts of its groups.
+#[derive(Clone)]
+pub struct DrawPipeline {
+    /// The pipeline.
+    pub pipeline: RenderPipeline,
+    /// The layouts of its groups.
+    pub groups: Vec<BindGroupLayout>,
+}
+
+/// The pipelines of a device, made when they are first needed.
+#[derive(Default)]
+pub struct DrawPipelines {
+    slices: HashMap<(Variant, Pass, Blending), DrawPipeline>,
+    done: Option<DrawPipeline>,
+}
+
+impl DrawPipelines {
+    /// Draws what a variant makes of fragments on the proxies that a pass makes.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`], or what the device reports.
+    pub fn slices(
+        &mut self,
+        device: &Device,
+        variant: Variant,
+        proxies: Pass,
+        blending: Blending,
+    ) -> Result<DrawPipeline, GpuError> {
+        let key = (variant.canonical(), proxies, blending);
+        if let Some(found) = self.slices.get(&key) {
+            return Ok(found.clone());
+        }
+        let target =
+            |format, blend| Some(ColorTargetState { format, blend: Some(blend), write_mask: ColorWrites::ALL });
+        let made = make(
+            device,
+            &module(device, &Variant::of(proxies))?,
+            &module(device, &key.0)?,
+            groups(device, &key.0),
+            &[target(blending.format, blending.state), target(blending.counts, SUM)],
+            CompareFunction::Less,
+        );
+        device.check()?;
+        Ok(self.slices.entry(key).or_insert(made).clone())
+    }
+
+    /// Marks the pixels that are done.
+    ///
+    /// # Errors
+    /// As [`DrawPipelines::slices`].
+    pub fn done(&mut self, device: &Device) -> Result<DrawPipeline, GpuError> {
+        if let Some(found) = &self.done {
+            return Ok(found.clone());
+        }
+        let variant = Variant::of(Pass::SliceDone);
+        let module = module(device, &variant)?;
+        let made = make(device, &module, &module, groups(device, &variant), &[], CompareFunction::Always);
+        device.check()?;
+        Ok(self.done.insert(made).clone())
+    }
+}
+
+/// What has targets only compares depths, the other writes them: tests before fragments stay possible (2.4-5).
+fn make(
+    device: &Device,
+    vertex: &ShaderModule,
+    fragment: &ShaderModule,
+    groups: Vec<BindGroupLayout>,
+    targets: &[Option<ColorTargetState>],
+    depth_compare: CompareFunction,
+) -> DrawPipeline {
+    let layout = pipeline_layout(device, &groups);
+    let pipeline = device.device.create_render_pipeline(&RenderPipelineDescriptor {
+        label: Some("slices"),
+        layout: Some(&layout),
+        vertex: VertexState {
+            module: vertex,
+            entry_point: Some("vertex"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: PrimitiveState::default(),
+        depth_stencil: Some(DepthStencilState {
+            format: DEPTH,
+            depth_write_enabled: Some(targets.is_empty()),
+            depth_compare: Some(depth_compare),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: Default::default(),
+        fragment: Some(FragmentState {
+            module: fragment,
+            entry_point: Some("fragment"),
+            compilation_options: Default::default(),
+            targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    });
+    DrawPipeline { pipeline, groups }
+}
