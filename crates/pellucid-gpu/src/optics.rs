@@ -18,6 +18,8 @@ pub struct Optics<'a> {
     pub tables: &'a Tables,
     /// Linear RGB and opacity: per unit distance, per step or per segment, as the pass wants.
     pub entries: &'a [[f32; 4]],
+    /// Whether those are colours without their opacity.
+    pub bleeds: bool,
     /// Where they are.
     pub nodes: Nodes,
     /// What blocks say, if any are skipped.
@@ -30,12 +32,13 @@ impl<'a> Optics<'a> {
     /// What a stage's pass wants of its tables.
     pub fn new(stage: &Stage, volume: &StageVolume, tables: &'a Tables) -> Self {
         let (pass, opaque) = pass_of(stage);
-        let bleeds = stage.slicing().is_some_and(|slicing| slicing.colors == ColorWeight::NonAssociated);
+        let bleeds = pass == Pass::CompositePre
+            && stage.slicing().is_some_and(|slicing| slicing.colors == ColorWeight::NonAssociated);
         let (entries, nodes) = match (pass, &tables.preintegration, &tables.stride_entries) {
             (Pass::PreIntegrated, Some(segments), _) => (segments.entries(), segments.nodes()),
             (Pass::Composite, _, Some(strides)) => (strides.as_slice(), tables.step_table.nodes()),
             // Colours without their opacity, which invisible values have, too.
-            (Pass::CompositePre, ..) if bleeds => (tables.table.entries(), tables.table.nodes()),
+            _ if bleeds => (tables.table.entries(), tables.table.nodes()),
             (Pass::Composite | Pass::CompositePre | Pass::XRay, ..) => {
                 (tables.step_table.entries(), tables.step_table.nodes())
             }
@@ -47,7 +50,7 @@ impl<'a> Optics<'a> {
         };
         // A plane is met once: there is nothing to leap over.
         let blocks = tables.blocks.as_ref().filter(|_| pass != Pass::Slice);
-        Self { pass, opaque, tables, entries, nodes: *nodes, blocks, levels }
+        Self { pass, opaque, tables, entries, bleeds, nodes: *nodes, blocks, levels }
     }
 }
 

@@ -218,7 +218,7 @@ impl GpuRenderer {
         let optics = Optics::new(stage, volume, &tables);
         // The memory of the last volume and its tables is free before that of these is asked for.
         self.resident.take_if(|resident| !resident.holds(&sources, &plan, &bricks));
-        self.uploads.take_if(|uploads| !uploads.are_of(&tables));
+        self.uploads.take_if(|uploads| !uploads.are_of(&tables, &optics));
         let uploads = self.uploads.get_or_insert_with(|| Uploads::new(&self.device, &tables, &optics));
         let resident = self.resident.get_or_insert_with(|| Resident::new(&self.device, sources, plan.clone(), bricks));
         resident.plan = plan;

@@ -12,6 +12,7 @@ use crate::{Device, texture};
 /// The tables of a stage, uploaded.
 pub struct Uploads {
     of: Arc<Tables>,
+    bleeds: bool,
     /// Colours and opacities.
     pub entries: Buffer,
     /// What rays ask of blocks.
@@ -30,6 +31,7 @@ impl Uploads {
             .collect();
         Self {
             of: tables.clone(),
+            bleeds: optics.bleeds,
             entries: storage(device, "table", optics.entries),
             blocks: block_texture(device, optics.blocks, optics.pass.compares_extremes()),
             levels: storage(device, "levels", &optics.levels),
@@ -38,8 +40,8 @@ impl Uploads {
     }
 
     /// Whether they are of these tables.
-    pub fn are_of(&self, tables: &Arc<Tables>) -> bool {
-        Arc::ptr_eq(&self.of, tables)
+    pub fn are_of(&self, tables: &Arc<Tables>, optics: &Optics) -> bool {
+        Arc::ptr_eq(&self.of, tables) && self.bleeds == optics.bleeds
     }
 }
 

@@ -75,7 +75,7 @@ fn vertex(@builtin(vertex_index) number: u32, @builtin(instance_index) instance:
 fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance: u32) -> Corner {
     let box = instances[instance].x;
     let slice = instances[instance].y;
-    let plane = slices.plane - vec4<f32>(0.0, 0.0, 0.0, f32(slice * slices.counts.x));
+    let plane = slices.plane - vec4<f32>(0.0, 0.0, 0.0, f32(slice * slices.counts.x) + slices.margin.w);
     let p = polygon_corner(low_of(box), high_of(box), plane, corner);
     if p.w == 0.0 || visible[box] == 0u {
         return Corner(NOWHERE, box, slice);

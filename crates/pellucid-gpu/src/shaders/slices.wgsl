@@ -15,7 +15,7 @@ struct Slices {
     clip_x: vec4<f32>,
     clip_y: vec4<f32>,
     clip_w: vec4<f32>,
-    // Voxels by which boxes are drawn larger than they are.
+    // Voxels by which boxes are drawn larger than they are; samples after its first that a slice is drawn at.
     margin: vec4<f32>,
     // The eye in voxels; of parallel rays the way they come from, and w is 0.
     eye: vec4<f32>,

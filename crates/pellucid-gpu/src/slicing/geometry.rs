@@ -83,7 +83,7 @@ impl Geometry {
         let cut = |&[number, slice]: &[u32; 2]| {
             let (low, high) = corners(&all[number as usize], grid);
             let (normal, offset) = lattice.plane();
-            let at = f64::from(slice * lattice.samples) - offset;
+            let at = f64::from(slice * lattice.samples) + lattice.drawn_at - offset;
             hexagon(&polygon(low - margin, high + margin, normal, at), number, slice)
         };
         let boxes: Vec<SliceBox> = all.iter().map(|&part| part.into()).collect();

@@ -16,7 +16,10 @@ pub struct Lattice {
     pub perpendicular: f64,
     /// The longest of all rays; infinite if some run along the slices, or meet them from behind.
     pub longest: f64,
-    /// Voxels along each axis that samples may lie beside their slice.
+    /// What a slice is drawn at, in samples after its first: none of its samples is farther, so that it is in front
+    /// of the eye where one of them is.
+    pub drawn_at: f64,
+    /// Voxels along each axis that samples may lie before that.
     pub reach: DVec3,
     /// Samples that a slice stands for.
     pub samples: u32,
@@ -79,6 +82,7 @@ impl Lattice {
             middle: 1.0,
             perpendicular: 1.0,
             longest: 1.0,
+            drawn_at: 0.0,
             reach: DVec3::ZERO,
             samples: slicing.samples,
             jittered: stage.quality.jitter != Jitter::Centered && slicing.geometry != SliceGeometry::ObjectAligned,
@@ -87,11 +91,12 @@ impl Lattice {
             lattice.perpendicular = 1.0 / ((rows * normal).length() * step);
         }
         let [right, bottom] = [view.width as f64, view.height as f64];
-        let beside = f64::from(slicing.samples - 1) + if lattice.jittered { 0.5 } else { 0.0 };
+        let noise = if lattice.jittered { 0.5 } else { 0.0 };
+        lattice.drawn_at = f64::from(slicing.samples - 1) + noise;
         for [x, y] in [[0.0, 0.0], [right, 0.0], [0.0, bottom], [right, bottom]] {
             let (stride, direction) = lattice.stride(view.ray(x, y).direction * step, &index);
             lattice.longest = lattice.longest.max(stride);
-            lattice.reach = lattice.reach.max(direction.abs() * stride.min(1e6) * beside);
+            lattice.reach = lattice.reach.max(direction.abs() * stride.min(1e6) * (lattice.drawn_at + noise));
         }
         (lattice.middle, _) = lattice.stride(view.forward * step, &index);
         lattice

@@ -115,7 +115,7 @@ impl<'a> Slicer<'a> {
         bindings.variant = Variant {
             traversal: Traversal::Slices,
             stack: resident.plan.layout != Layout::Solid,
-            bleeding: slicing.colors == pellucid_scene::ColorWeight::NonAssociated,
+            bleeding: optics.bleeds,
             opaque: false,
             ..bindings.variant
         }

@@ -57,3 +57,59 @@ pub fn polygon(low: DVec3, high: DVec3, normal: DVec3, offset: f64) -> Vec<DVec3
     }
     ordered.into_iter().map(|(p, _)| p).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use proptest::strategy::ValueTree;
+    use proptest::test_runner::TestRunner;
+
+    /// Twice the area, along the normal if that is the way the corners turn.
+    fn area(corners: &[DVec3]) -> DVec3 {
+        corners.windows(2).skip(1).map(|two| (two[0] - corners[0]).cross(two[1] - corners[0])).sum()
+    }
+
+    /// The same corners, sorted by their angle around their middle.
+    fn sorted(mut corners: Vec<DVec3>, normal: DVec3) -> Vec<DVec3> {
+        let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        let along = (corners[0] - middle).normalize();
+        let across = normal.normalize().cross(along);
+        let angle = |p: &DVec3| (*p - middle).dot(across).atan2((*p - middle).dot(along));
+        corners.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+        corners
+    }
+
+    #[test]
+    fn a_hundred_thousand_polygons_are_convex_and_have_their_area() {
+        let mut runner = TestRunner::deterministic();
+        let three = |range: std::ops::Range<f64>| prop::array::uniform3(range).prop_map(DVec3::from_array);
+        // Corners, faces and edges in the plane are as likely as none.
+        let share = prop::array::uniform3(prop_oneof![Just(0.0), Just(1.0), -0.1..1.1f64]).prop_map(DVec3::from_array);
+        let normal = prop::array::uniform3(prop_oneof![2 => -1.0..1.0f64, 1 => Just(0.0)]).prop_map(DVec3::from_array);
+        let case = (three(-20.0..20.0), three(0.1..30.0), normal, share);
+        let mut found = [0; 7];
+        for _ in 0..100_000 {
+            let (low, size, normal, share) = case.new_tree(&mut runner).unwrap().current();
+            if normal == DVec3::ZERO {
+                continue;
+            }
+            let corners = polygon(low, low + size, normal, normal.dot(low + size * share));
+            found[corners.len()] += 1;
+            if corners.is_empty() {
+                continue;
+            }
+            let scale = size.max_element();
+            for p in &corners {
+                assert!(normal.dot(*p - low - size * share).abs() < 1e-9 * scale, "{p} is beside the plane");
+                let inside = (*p - low).min_element() > -1e-6 && (low + size - *p).min_element() > -1e-6;
+                assert!(inside, "{p} is outside of {low} and {size}");
+            }
+            let [chained, by_angle] = [area(&corners), area(&sorted(corners.clone(), normal))].map(DVec3::length);
+            assert!((chained - by_angle).abs() < 1e-6 * scale * scale, "{corners:?}: {chained} for {by_angle}");
+        }
+        // Three to six corners, each of them often.
+        assert_eq!(found[1] + found[2], 0);
+        assert!(found[3..].iter().all(|&n| n > 500), "{found:?}");
+    }
+}

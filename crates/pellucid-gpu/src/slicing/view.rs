@@ -58,7 +58,7 @@ pub fn numbers(
         clip_x: x.as_vec4().to_array(),
         clip_y: y.as_vec4().to_array(),
         clip_w: w.as_vec4().to_array(),
-        margin: four(margin(stage, grid, lattice), 0.0),
+        margin: four(margin(stage, grid, lattice), lattice.drawn_at),
         eye: four(grid.index_from_world().transform_point3(view.eye), 1.0),
         counts: [
             slicing.samples,

@@ -127,6 +127,19 @@ impl Technique {
         }
     }
 
+    /// The ray caster with the same mode.
+    pub fn along_rays(&self) -> Self {
+        Self::RayCast(RayCast { mode: self.mode().clone() })
+    }
+
+    /// Slices of a geometry with the same mode, and the other settings of slices as they are.
+    pub fn in_slices(&self, geometry: SliceGeometry) -> Self {
+        match self {
+            Self::Slicing(slicing) => Self::Slicing(Slicing { geometry, ..slicing.clone() }),
+            other => Self::Slicing(Slicing { mode: other.mode().clone(), geometry, ..Slicing::default() }),
+        }
+    }
+
     /// The name of the technique, as in a document.
     pub fn name(&self) -> &'static str {
         match self {

@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 use super::bench::{Meter, Plan, still};
 use super::engine::{BACKENDS, Engine};
 use super::failure::Failure;
+use super::flags::technique::{Kind, TECHNIQUES};
 use super::flags::{SceneFlags, Staged};
 use super::input::{Input, RawFlags};
 use super::report::{Report, print, print_json};
@@ -80,18 +81,11 @@ impl FromStr for Settings {
 #[derive(Clone, Debug, Default)]
 struct Rendition {
     label: String,
+    /// The scene's own if it is not said.
+    technique: Option<Kind>,
     settings: Settings,
     backend: Option<Backend>,
 }
-
-/// The techniques by name, and what makes a scene theirs; nothing if it may be one already.
-const TECHNIQUES: [(&str, &str); 5] = [
-    ("ray-cast", ""),
-    ("view-aligned", "technique.slicing.geometry=view_aligned"),
-    ("object-aligned", "technique.slicing.geometry=object_aligned"),
-    ("multi-texture", "technique.slicing.geometry=multi_texture"),
-    ("shells", "technique.slicing.geometry=shells"),
-];
 
 impl FromStr for Rendition {
     type Err = String;
@@ -100,14 +94,15 @@ impl FromStr for Rendition {
         let (name, place) = text.split_once('@').map_or((text, None), |(name, place)| (name, Some(place)));
         let names = || TECHNIQUES.map(|(name, _)| name).join(", ");
         let technique = TECHNIQUES.iter().find(|(known, _)| *known == name);
-        let (_, setting) = technique.ok_or_else(|| format!("'{name}' is none of {}", names()))?;
+        let (_, technique) = technique.ok_or_else(|| format!("'{name}' is none of {}", names()))?;
         let backend = |place: &str| {
             let found = BACKENDS.iter().find(|(known, _)| *known == place);
             found.map(|(_, backend)| *backend).ok_or_else(|| format!("'{place}' is none of auto, cpu, gpu"))
         };
         Ok(Self {
             label: text.to_owned(),
-            settings: if setting.is_empty() { Settings::default() } else { setting.parse()? },
+            technique: Some(*technique),
+            settings: Settings::default(),
             backend: place.map(backend).transpose()?,
         })
     }
@@ -163,7 +158,7 @@ impl CompareArgs {
         all.extend(self.also.iter().map(|also| {
             let settings = first.settings.0.iter().chain(&also.0).cloned().collect();
             let label = also.0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
-            Rendition { label, settings: Settings(settings), backend: first.backend }
+            Rendition { label, settings: Settings(settings), ..first.clone() }
         }));
         all
     }
@@ -176,7 +171,11 @@ fn draw(
     plan: Plan,
     reference: Option<&Drawn>,
 ) -> Result<Drawn, Failure> {
-    let scene = set::apply(scene, &rendition.settings.0)?;
+    let mut scene = scene.clone();
+    if let Some(technique) = rendition.technique {
+        scene.technique = technique.like(&scene.technique);
+    }
+    let scene = set::apply(&scene, &rendition.settings.0)?;
     let mut meter = Meter::new(plan)?;
     let (timing, frame): (_, Frame) = still(&scene, volumes, &mut meter)?;
     let rgba = frame.to_rgba8(&scene.image);

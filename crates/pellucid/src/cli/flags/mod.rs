@@ -5,7 +5,7 @@ mod clipping;
 mod look;
 mod picture;
 pub mod quality;
-mod technique;
+pub mod technique;
 
 use std::sync::Arc;
 

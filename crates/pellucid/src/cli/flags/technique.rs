@@ -1,7 +1,8 @@
 //! What becomes of the samples along a ray.
 
 use pellucid::scene::{
-    Camera, Combine, Isosurface, Isovalue, Mode, Orbit, Projection, Scene, Slice, StageVolume, View,
+    Camera, Combine, Isosurface, Isovalue, Mode, Orbit, Projection, Scene, Slice, SliceGeometry, StageVolume,
+    Technique, View,
 };
 
 use crate::cli::failure::Failure;
@@ -16,12 +17,46 @@ const MODES: [(&str, Mode); 6] = [
     ("x-ray", Mode::XRay),
 ];
 
+/// What draws, by name.
+pub const TECHNIQUES: [(&str, Kind); 5] = [
+    ("ray-cast", Kind::Rays),
+    ("view-aligned", Kind::Slices(SliceGeometry::ViewAligned)),
+    ("object-aligned", Kind::Slices(SliceGeometry::ObjectAligned)),
+    ("multi-texture", Kind::Slices(SliceGeometry::MultiTexture)),
+    ("shells", Kind::Slices(SliceGeometry::Shells)),
+];
+
+/// A technique that keeps the scene's mode.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// The ray caster.
+    Rays,
+    /// Slices.
+    Slices(SliceGeometry),
+}
+
+impl Kind {
+    /// The technique with the mode of another.
+    pub fn like(self, technique: &Technique) -> Technique {
+        match self {
+            Self::Rays => technique.along_rays(),
+            Self::Slices(geometry) => technique.in_slices(geometry),
+        }
+    }
+}
+
 const COMBINES: [(&str, Combine); 3] =
     [("maximum", Combine::Maximum), ("minimum", Combine::Minimum), ("average", Combine::Average)];
 
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Technique")]
 pub struct TechniqueFlags {
+    /// What draws: rays, or slices blended by a graphics adapter [default: ray-cast]
+    ///
+    /// Slices lie across the view (view-aligned), on the volume's own planes (object-aligned), between those
+    /// (multi-texture), or on spheres around the eye (shells). They keep no depth and no normals.
+    #[arg(long, value_name = "TECHNIQUE", value_parser = values::word(&TECHNIQUES))]
+    technique: Option<Kind>,
     /// What becomes of the samples along a ray [default: composite]
     #[arg(long, value_name = "MODE", value_parser = values::word(&MODES), conflicts_with_all = ["iso", "slice"])]
     mode: Option<Mode>,
@@ -68,6 +103,9 @@ enum Position {
 impl TechniqueFlags {
     /// `face`: whether the camera may be turned towards a slice.
     pub fn apply(&self, scene: &mut Scene, face: bool) -> Result<(), Failure> {
+        if let Some(technique) = self.technique {
+            scene.technique = technique.like(&scene.technique);
+        }
         let mode = scene.technique.mode_mut();
         if let Some(given) = &self.mode {
             *mode = given.clone();
