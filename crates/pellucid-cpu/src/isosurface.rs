@@ -183,7 +183,8 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
     }
 
     /// Where the field passes `level` between two distances whose values bracket it: regula falsi
-    /// with the Illinois rule, with bisection when it stalls.
+    /// with the Illinois rule, with bisection when it stalls. What is absent on the way counts as
+    /// beyond the surface, which then is where the field ends.
     #[inline(always)]
     fn root(&self, rays: &Rays<S>, crossed: &Crossed<S>, level: F32<S>, lanes: Mask<S>) -> F32<S> {
         /// Width of the bracket, in voxels, at which a root is found.
@@ -194,6 +195,7 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
         let [x, y, z] = xyz!(I => rays.direction[I].abs());
         let tolerance = splat(s, ROOT_VOXELS) / x.max(y).max(z).max(splat(s, 1e-12));
         let mut found = t0;
+        let mut there = lanes;
         let mut open = lanes;
         let (mut kept_left, mut kept_right) = (all(s, false), all(s, false));
         for round in 0..32 {
@@ -204,9 +206,11 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
             let t = if round % 3 == 2 { middle } else { inside.select(secant, middle) };
             found = open.select(t, found);
             let f = self.field.values(s, rays.at(t), open) - level;
+            let present = f.is_finite();
+            there = (open & present) | (!open & there);
             let same = f.simd_lt(zero);
             let front = f0.simd_lt(zero);
-            let left = (same & front) | (!same & !front);
+            let left = present & ((same & front) | (!same & !front));
             // An end that stays twice counts half, or it would stay for ever.
             f1 = (left & kept_right).select(f1 * 0.5, f1);
             f0 = (!left & kept_left).select(f0 * 0.5, f0);
@@ -214,13 +218,13 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
             t0 = left.select(t, t0);
             f0 = left.select(f, f0);
             t1 = left.select(t1, t);
-            f1 = left.select(f1, f);
-            // An absent or exact value ends the search, too.
-            open &= (t1 - t0).simd_gt(tolerance) & f.simd_ne(zero) & f.is_finite();
+            f1 = (present & !left).select(f, f1);
+            // An exact value ends the search, too.
+            open &= (t1 - t0).simd_gt(tolerance) & f.simd_ne(zero);
             if !open.any_true() {
                 break;
             }
         }
-        found
+        there.select(found, t0)
     }
 }

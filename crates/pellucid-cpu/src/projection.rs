@@ -131,6 +131,9 @@ impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
             #[inline(always)]
             |_, rays, traced, counter| {
                 let (mut sum, mut length) = (splat(s, 0.0), splat(s, 0.0));
+                // What rounding took from the sum (Kahan): values may be many times the width of what a
+                // transfer function tells apart.
+                let mut lost = splat(s, 0.0);
                 let mut march = March::new(s, rays);
                 while march.run(
                     s,
@@ -142,7 +145,10 @@ impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
                     |sample, _| {
                         let value = self.field.values(s, sample.index, sample.lanes);
                         let present = sample.lanes & value.is_finite();
-                        sum = present.select(value.mul_add(sample.ratio, sum), sum);
+                        let part = value.mul_add(sample.ratio, -lost);
+                        let next = sum + part;
+                        lost = present.select((next - sum) - part, lost);
+                        sum = present.select(next, sum);
                         length = present.select(length + sample.ratio, length);
                         all(s, false)
                     },

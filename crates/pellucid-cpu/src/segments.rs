@@ -59,17 +59,22 @@ pub fn each_segment<S: Lanes, F: Field<S>>(
     let mut waiting = all(s, false);
     let mut front = splat(s, f32::NAN);
     let mut carried = false;
+    // Rays that have taken their front value: a packet fetches all of them when one ray needs it.
+    let mut taken = all(s, false);
     loop {
         if let Some(skip) = skip {
             let to = skip.leap(s, rays, n, open, Leap::Segments);
             counter.skip(to.min(rays.count) - n);
-            carried &= to.simd_eq(n).all_true();
+            let stays = to.simd_eq(n);
+            carried &= stays.all_true();
+            taken &= stays;
             n = to;
         }
         if !carried {
             front = field.values(s, rays.at(rays.node(s, n)), open);
-            counter.sample(open & rays.has_node(n));
+            counter.sample(open & rays.has_node(n) & !taken);
             carried = true;
+            taken = all(s, true);
         }
         let mut distance = rays.node(s, n);
         for _ in 0..RUN {

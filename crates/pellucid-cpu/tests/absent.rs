@@ -68,6 +68,39 @@ fn a_hole_beside_a_light_leaves_no_trace_of_nan() {
     assert!(depth(24, 24) > depth(17, 28) + 2.0, "{} and {}", depth(24, 24), depth(17, 28));
 }
 
+/// A surface whose level lies within a hole ends at the hole's border, lit as the field before it is
+/// (5.5-8): the steps are longer than the hole is wide, so both of a segment's ends have values.
+#[test]
+fn a_surface_beside_a_hole_is_lit_where_the_field_ends() {
+    // The level 12 lies in the absent sheet y = 12, which is a hole from 11.5 to 12.5.
+    let ramp = |hole: bool| unit_volume([24; 3], move |p| if hole && p.y == 12.0 { f64::NAN } else { p.y });
+    let draw = |level, hole| {
+        render(&stage(ramp(hole), opaque_above(2.0), |scene| {
+            let isovalues = vec![Isovalue { value: level, color: None, opacity: 1.0 }];
+            set_mode(scene, Mode::Isosurface(Isosurface { isovalues }));
+            scene.volumes[0].shading = Some(true);
+            scene.quality.step = 3.1;
+            scene.camera.projection = Projection::Orthographic { height: Some(20.0) };
+            scene.camera.view =
+                View::LookAt(LookAt { position: [11.5, -40.0, 11.5], target: [11.5; 3], up: [0.0, 0.0, 1.0] });
+            (scene.image.width, scene.image.height) = (9, 9);
+        }))
+    };
+    let whole = draw(12.0, false);
+    for (level, hole, expected) in [(12.0, false, 12.0), (10.9, true, 10.9), (12.0, true, 11.5)] {
+        let frame = draw(level, hole);
+        for pixel in 0..81 {
+            let depth = frame.depth[pixel] - 40.0;
+            assert!((depth - expected as f32).abs() < 3e-3, "{level} {hole}: {depth}");
+            // Towards lower values, in the same light.
+            assert!((glam::Vec3::from_array(frame.normal[pixel]) + glam::Vec3::Y).length() < 1e-3, "{level} {hole}");
+            for (channel, expected) in frame.color[pixel].into_iter().zip(whole.color[pixel]) {
+                assert!((channel - expected).abs() < 1e-3, "{level} {hole}: {channel} instead of {expected}");
+            }
+        }
+    }
+}
+
 #[test]
 fn wholly_absent_data_draw_nothing_and_say_so() {
     let frame = render(&stage(unit_volume([8; 3], |_| f64::NAN), opaque_above(0.0), |_| ()));

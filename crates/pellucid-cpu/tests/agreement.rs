@@ -235,3 +235,20 @@ proptest! {
         check_all(&case, &mode, Classification::Post, integrated)?;
     }
 }
+
+/// Values a thousand times as large as the differences that the transfer function shows.
+#[test]
+fn a_mean_of_large_values() {
+    let value = |p: DVec3| 1000.0 + 0.3 * (p.y * 0.7).sin() + 0.2 * (1.7 * p.x + p.z).sin();
+    let tf = common::transfer_function(&[(999.5, 0x000000), (1000.5, 0xffffff)], &[(0.0, 0.9)]);
+    let stage = common::stage(common::unit_volume([8, 200, 8], value), tf, |scene| {
+        common::set_mode(scene, Mode::Average);
+        scene.quality.step = 0.1;
+    });
+    let frame = common::render(&stage);
+    let reference = Reference::new(&stage, Reading::default());
+    for pixel in 0..frame.color.len() {
+        let seen = reference.pixel(pixel % frame.width, pixel / frame.width).unwrap();
+        assert_eq!(wrong(&stage, &frame, pixel, &seen), None);
+    }
+}

@@ -32,24 +32,32 @@ fn a_cancelled_render_stops_within_50_ms() {
         scene.quality.supersampling = 4;
         scene.quality.empty_space_skipping = false;
     });
+    // How long the render goes on, less the longest time that the machine kept a thread from running
+    // which wanted nothing else: on a busy machine that is not the renderer's.
     let wait = || {
         let cancel = Cancel::default();
-        let (outcome, waited) = std::thread::scope(|scope| {
+        let (outcome, waited, kept) = std::thread::scope(|scope| {
             let drawing =
                 scope.spawn(|| CpuRenderer::new().render(&stage, &Control { progress: None, cancel: Some(&cancel) }));
             std::thread::sleep(Duration::from_millis(200));
             assert!(!drawing.is_finished(), "the scene is too easy for this test");
             let asked = Instant::now();
             cancel.cancel();
-            (drawing.join().unwrap(), asked.elapsed())
+            let mut kept = Duration::ZERO;
+            let mut last = asked;
+            while !drawing.is_finished() {
+                kept = kept.max(last.elapsed());
+                last = Instant::now();
+            }
+            (drawing.join().unwrap(), asked.elapsed(), kept.max(last.elapsed()))
         });
         assert_eq!(outcome.unwrap_err(), RenderError::Cancelled);
-        waited
+        (waited.saturating_sub(kept), waited, kept)
     };
-    // Rays take well under a millisecond. On a busy machine a thread may not run for longer than
-    // that, but hardly three times in a row.
-    let waited = (0..3).map(|_| wait()).min().unwrap();
-    assert!(waited < Duration::from_millis(50), "{waited:?}");
+    // Rays take well under a millisecond. That several threads are kept waiting one after the other
+    // hardly happens three times in a row.
+    let (late, waited, kept) = (0..3).map(|_| wait()).min().unwrap();
+    assert!(late < Duration::from_millis(50), "{waited:?}, threads kept from running for {kept:?}");
 }
 
 /// What early termination leaves out is at most what could still have come (7.3-2).

@@ -22,7 +22,8 @@ fn between(front: f32, back: f32, level: f32) -> bool {
 }
 
 // Where the field passes `level` between two distances whose values bracket it: regula falsi with the
-// Illinois rule, and bisection when it stalls.
+// Illinois rule, and bisection when it stalls. What is absent on the way counts as beyond the surface,
+// which then is where the field ends.
 fn root(ray: Ray, segment: Segment, level: f32) -> f32 {
     // Width of the bracket, in voxels, at which a root is found.
     const ROOT_VOXELS: f32 = 2e-5;
@@ -33,6 +34,7 @@ fn root(ray: Ray, segment: Segment, level: f32) -> f32 {
     var f0 = segment.value.x - level;
     var f1 = segment.value.y - level;
     var found = t0;
+    var there = true;
     var kept = 0;
     for (var round = 0; round < 32; round += 1) {
         let middle = (t0 + t1) * 0.5;
@@ -41,8 +43,9 @@ fn root(ray: Ray, segment: Segment, level: f32) -> f32 {
         found = select(middle, secant, round % 3 != 2 && secant >= t0 && secant <= t1);
         let value = field_value(ray_at(ray, found));
         let f = value - level;
+        there = is_present(value);
         // An end that stays twice counts half, or it would stay for ever.
-        if (f < 0.0) == (f0 < 0.0) {
+        if there && (f < 0.0) == (f0 < 0.0) {
             if kept == 1 {
                 f1 *= 0.5;
             }
@@ -55,18 +58,27 @@ fn root(ray: Ray, segment: Segment, level: f32) -> f32 {
             }
             kept = -1;
             t1 = found;
-            f1 = f;
+            f1 = select(f1, f, there);
         }
-        // An absent or exact value ends the search, too.
-        if t1 - t0 <= tolerance || f == 0.0 || !is_present(value) {
+        // An exact value ends the search, too.
+        if t1 - t0 <= tolerance || f == 0.0 {
             break;
         }
     }
-    return found;
+    return select(t0, found, there);
+}
+
+// Whether a segment crosses any surface.
+fn visit_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool {
+    var crosses = false;
+    for (var i = 0u; i < frame.counts.z; i += 1u) {
+        crosses = crosses || between(segment.value.x, segment.value.y, levels[i].value.x);
+    }
+    return crosses;
 }
 
 // Adds the surfaces that a segment crosses, nearest first. Returns whether the ray is done.
-fn visit_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool {
+fn meet_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool {
     let front = segment.value.x;
     let back = segment.value.y;
     let count = frame.counts.z;

@@ -302,6 +302,7 @@ impl Variant {
             ("WAVEFRONT", self.wavefront),
             ("KERNELS", self.kernels),
             ("STRIDES", self.strides),
+            ("NORMALS", matches!(self.pass, Pass::Composite | Pass::CompositePre | Pass::PreIntegrated)),
             ("EXTREMES", self.pass.compares_extremes()),
             ("MINIMUM", self.pass == Pass::Minimum),
             ("PRECLASSIFIED", self.pass == Pass::CompositePre),

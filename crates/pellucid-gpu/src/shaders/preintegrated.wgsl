@@ -51,6 +51,7 @@ fn between(front: f32, back: f32, length: f32) -> vec4<f32> {
     return over_length(integral(value, value), length * 0.5);
 }
 
+// Returns whether the ray is done.
 fn visit_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool {
     let rgba = between(segment.value.x, segment.value.y, segment.length);
     if rgba.a <= 0.0 {
@@ -58,4 +59,8 @@ fn visit_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> boo
     }
     (*state).counts.y += 1u;
     return add_sample(state, ray, (segment.distance.x + segment.distance.y) * 0.5, rgba);
+}
+
+fn meet_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool {
+    return true;
 }

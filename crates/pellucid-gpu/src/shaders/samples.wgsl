@@ -3,8 +3,11 @@
 #import pellucid::frame::bounds
 #import pellucid::ray::{ray_at, sample_of, stride_sample}
 #import pellucid::field::is_here
-#import pellucid::march::{Turn, turn_of, end_turn, DONE, TERMINATED}
+#import pellucid::march::{Turn, turn_of, end_turn, DONE, NOWHERE, TERMINATED}
 #import pellucid::mode::{finish, visit}
+#ifdef NORMALS
+#import pellucid::surface::add_normal
+#endif
 #ifdef SKIP
 #import pellucid::skip::leap_samples
 #endif
@@ -75,6 +78,11 @@ fn follow(turn: ptr<function, Turn>) {
 #ifdef STRIDES
     state.place.z = f32(level);
     state.place.w = f32(taken);
+#endif
+#ifdef NORMALS
+    if state.surface.w < NOWHERE && (*turn).state.surface.w == NOWHERE {
+        add_normal(&state, ray);
+    }
 #endif
     state.place.x = k;
     if k >= ray.count {

@@ -3,8 +3,11 @@
 #import pellucid::frame::bounds
 #import pellucid::ray::{Segment, ray_at, ray_node, ray_segment}
 #import pellucid::field::{field_value, is_here}
-#import pellucid::march::{Turn, turn_of, end_turn, DONE, TERMINATED}
-#import pellucid::mode::visit_segment
+#import pellucid::march::{Turn, turn_of, end_turn, DONE, NOWHERE, TERMINATED}
+#import pellucid::mode::{meet_segment, visit_segment}
+#ifdef NORMALS
+#import pellucid::surface::add_normal
+#endif
 #ifdef SKIP
 #import pellucid::skip::leap_segments
 #endif
@@ -23,43 +26,57 @@ fn follow(turn: ptr<function, Turn>) {
     var looks = bounds.rows.w;
     var here = ray.count > 0.0;
     while here && looks > 0u && n <= ray.count {
-        looks -= 1u;
+        // What happens seldom is done between walks: within them, processors whose lanes share branches
+        // would pay for it at every segment.
+        var segment: Segment;
+        var halted = false;
+        while here && !halted && looks > 0u && n <= ray.count {
+            looks -= 1u;
 #ifdef SKIP
-        let to = leap_segments(ray, n);
-        state.counts.z += u32(min(to, ray.count) - min(n, ray.count));
-        carried = carried && to == n;
-        n = to;
+            let to = leap_segments(ray, n);
+            state.counts.z += u32(min(to, ray.count) - min(n, ray.count));
+            carried = carried && to == n;
+            n = to;
 #endif
-        for (var i = 0u; i < RUN && n <= ray.count; i += 1u) {
-            let start = ray_node(ray, n);
-            if !carried {
-                let p = ray_at(ray, start);
+            for (var i = 0u; i < RUN && n <= ray.count; i += 1u) {
+                let start = ray_node(ray, n);
+                if !carried {
+                    let p = ray_at(ray, start);
+                    if !is_here(p) {
+                        here = false;
+                        break;
+                    }
+                    front = field_value(p);
+                    carried = true;
+                    state.counts.x += 1u;
+                }
+                let end = ray_node(ray, n + 1.0);
+                let p = ray_at(ray, end);
                 if !is_here(p) {
                     here = false;
                     break;
                 }
-                front = field_value(p);
-                carried = true;
+                let back = field_value(p);
                 state.counts.x += 1u;
+                segment = Segment(vec2<f32>(start, end), vec2<f32>(front, back), ray_segment(ray, n));
+                front = back;
+                n += 1.0;
+                if visit_segment(&state, ray, segment) {
+                    halted = true;
+                    break;
+                }
             }
-            let end = ray_node(ray, n + 1.0);
-            let p = ray_at(ray, end);
-            if !is_here(p) {
-                here = false;
-                break;
-            }
-            let back = field_value(p);
-            state.counts.x += 1u;
-            let segment = Segment(vec2<f32>(start, end), vec2<f32>(front, back), ray_segment(ray, n));
-            if visit_segment(&state, ray, segment) {
-                state.counts.w |= TERMINATED | DONE;
-                here = false;
-                break;
-            }
-            front = back;
-            n += 1.0;
+        }
+        if halted && meet_segment(&state, ray, segment) {
+            state.counts.w |= TERMINATED | DONE;
+            here = false;
         }
     }
+#ifdef NORMALS
+    if state.surface.w < NOWHERE && (*turn).state.surface.w == NOWHERE {
+        add_normal(&state, ray);
+    }
+#endif
     if n > ray.count || ray.count == 0.0 {
         state.counts.w |= DONE;
     }

@@ -17,12 +17,18 @@ fn add_sample(state: ptr<function, State>, ray: Ray, distance: f32, sample: vec4
 #endif
     (*state).color = over((*state).color, rgba);
     if (*state).color.a >= 0.5 && (*state).surface.w == NOWHERE {
-        // The field here gives the picture its normals, shaded or not.
-        var normal = vec3<f32>(0.0);
-        if is_present(field_value(p)) {
-            normal = normal_of(field_gradient(p)).direction;
-        }
-        (*state).surface = vec4<f32>(normal, distance);
+        (*state).surface.w = distance;
     }
     return (*state).color.a >= frame.limits.z;
+}
+
+// The normal where a walk has met the surface: the field there gives the picture its normals, shaded or
+// not. Asked once, after the walk: within it, processors whose lanes share branches would pay for it at
+// every sample.
+fn add_normal(state: ptr<function, State>, ray: Ray) {
+    let p = ray_at(ray, (*state).surface.w);
+    if is_present(field_value(p)) {
+        let normal = normal_of(field_gradient(p)).direction;
+        (*state).surface = vec4<f32>(normal, (*state).surface.w);
+    }
 }
