@@ -3,17 +3,19 @@
 #import pellucid::frame::bounds
 #import pellucid::ray::{Ray, Segment, ray_at, ray_length, ray_of}
 #import pellucid::field::field_value
-#import pellucid::march::new_state
-#import pellucid::mode::visit_segment
-#import pellucid::slices::{Lattice, distance_of, is_inside, lattice_of, owns, share_of, slices}
+#import pellucid::march::{State, new_state}
+#import pellucid::mode::{meet_segment, visit_segment}
+#import pellucid::slices::{distance_of, is_inside, lattice_of, owns, share_of, slices}
 
 struct Blended {
     @location(0) color: vec4<f32>,
     @location(1) counts: vec2<f32>,
 }
 
-fn segment(lattice: Lattice, distances: vec2<f32>, values: vec2<f32>) -> Segment {
-    return Segment(distances, values, (distances.y - distances.x) * lattice.correction);
+// Visits what lies between two distances. Returns whether nothing is seen behind it.
+fn ends(state: ptr<function, State>, ray: Ray, distances: vec2<f32>, values: vec2<f32>, correction: f32) -> bool {
+    let segment = Segment(distances, values, (distances.y - distances.x) * correction);
+    return visit_segment(state, ray, segment) && meet_segment(state, ray, segment);
 }
 
 @fragment
@@ -47,7 +49,7 @@ fn fragment(
             if !is_inside(ray, distance_of(lattice, k - 1.0)) && start > 0.0 {
                 let entry = field_value(ray_at(ray, 0.0));
                 state.counts.x += 1u;
-                if visit_segment(&state, ray, segment(lattice, vec2<f32>(0.0, start), vec2<f32>(entry, front))) {
+                if ends(&state, ray, vec2<f32>(0.0, start), vec2<f32>(entry, front), lattice.correction) {
                     break;
                 }
             }
@@ -55,7 +57,7 @@ fn fragment(
             let end = select(length, clamp(next, 0.0, length), is_inside(ray, next));
             let back = field_value(ray_at(ray, end));
             state.counts.x += 1u;
-            if visit_segment(&state, ray, segment(lattice, vec2<f32>(start, end), vec2<f32>(front, back))) {
+            if ends(&state, ray, vec2<f32>(start, end), vec2<f32>(front, back), lattice.correction) {
                 break;
             }
             front = back;
