@@ -168,7 +168,7 @@ impl Scene {
 
     fn ordered_technique(&self) -> Technique {
         let mut technique = self.technique.clone();
-        if let Mode::Isosurface(surfaces) = technique.mode_mut() {
+        if let Some(Mode::Isosurface(surfaces)) = technique.mode_mut() {
             surfaces.isovalues.sort_by(|a, b| a.value.total_cmp(&b.value));
         }
         technique

@@ -237,7 +237,34 @@ fn technique() -> impl Strategy<Value = Technique> {
         vec(isovalue, 1..4).prop_map(|isovalues| Mode::Isosurface(Isosurface { isovalues })),
         slice.prop_map(Mode::Slice),
     ];
-    mode.prop_map(|mode| Technique::RayCast(RayCast { mode }))
+    prop_oneof![mode.prop_map(|mode| Technique::RayCast(RayCast { mode })), path_trace().prop_map(Technique::PathTrace)]
+}
+
+fn path_trace() -> impl Strategy<Value = PathTrace> {
+    let environment = prop_oneof![
+        Just(Environment::Dark),
+        (color(), 0.0f32..9.0).prop_map(|(color, intensity)| Environment::Constant { color, intensity }),
+        (color(), color(), 0.0f32..9.0).prop_map(|(top, bottom, intensity)| Environment::Gradient {
+            top,
+            bottom,
+            intensity
+        }),
+    ];
+    let majorants = select(vec![Majorants::Local, Majorants::Global]);
+    let lens = (prop_oneof![Just(0.0), length()], of(length()));
+    (1u32..=1 << 20, 0u32..=100_000, 0.0f32..=1.0, environment, lens, any::<u32>(), 0u32..=100_000, majorants).prop_map(
+        |(samples, bounces, noise, environment, (aperture, focus), seed, roulette, majorants)| PathTrace {
+            samples,
+            bounces,
+            noise,
+            environment,
+            aperture,
+            focus,
+            seed,
+            roulette,
+            majorants,
+        },
+    )
 }
 
 fn quality() -> impl Strategy<Value = Quality> {

@@ -68,7 +68,22 @@ enum Position {
 impl TechniqueFlags {
     /// `face`: whether the camera may be turned towards a slice.
     pub fn apply(&self, scene: &mut Scene, face: bool) -> Result<(), Failure> {
-        let mode = scene.technique.mode_mut();
+        let technique = scene.technique.name();
+        let Some(mode) = scene.technique.mode_mut() else {
+            let flags = [
+                (self.mode.is_some(), "--mode"),
+                (!self.iso.is_empty(), "--iso"),
+                (self.slice.is_some(), "--slice"),
+                (self.at.is_some(), "--at"),
+                (self.thickness.is_some(), "--thickness"),
+                (self.combine.is_some(), "--combine"),
+            ];
+            let given = flags.into_iter().find(|(given, _)| *given);
+            return given.map_or(Ok(()), |(_, flag)| {
+                let message = format_args!("{flag} has no meaning for {technique}, which the scene asks for");
+                Err(Failure::input(message).hint("add --set technique.ray_cast.mode=composite"))
+            });
+        };
         if let Some(given) = &self.mode {
             *mode = given.clone();
         }
@@ -100,8 +115,8 @@ impl TechniqueFlags {
 
     /// Moves the slice to its place in percent, if it is given so and there is a slice.
     pub fn place(&self, scene: &mut Scene, volume: &StageVolume) -> bool {
-        let mode = scene.technique.mode_mut();
-        let (Some(Position::Percent(percent)), Some(slice)) = (self.at, slice_of(mode)) else { return false };
+        let slice = scene.technique.mode_mut().and_then(slice_of);
+        let (Some(Position::Percent(percent)), Some(slice)) = (self.at, slice) else { return false };
         let Some(normal) = slice.normal else { return false };
         let dot = |p: [f64; 3]| (0..3).map(|axis| p[axis] * normal[axis]).sum::<f64>();
         let grid = volume.volume.grid();
