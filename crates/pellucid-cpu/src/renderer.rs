@@ -8,6 +8,7 @@ use crate::RenderError;
 use crate::integrator::{Integrator, Traced};
 use crate::lanes::{InstructionSet, MOST_LANES};
 use crate::packet::Packet;
+use crate::path_trace::PathTracer;
 use crate::prepare::{Cache, Prepared};
 use crate::rays::Emitter;
 use crate::tiles::{TILE, Tile, Tiles};
@@ -47,6 +48,11 @@ impl CpuRenderer {
             .build()
             .map_err(|error| RenderError::Threads { threads, reason: error.to_string() })?;
         Ok(Self { pool: Some(pool), ..Self::default() })
+    }
+
+    /// Whether this backend has a technique.
+    pub fn draws(technique: &Technique) -> bool {
+        !matches!(technique, Technique::Slicing(_))
     }
 
     /// The same renderer with tiles of another side, in pixels (at least 1). The picture does not
@@ -107,15 +113,26 @@ fn render(
     let [volume] = stage.volumes.as_slice() else {
         return Err(RenderError::Volumes { found: stage.volumes.len() });
     };
-    if !matches!(stage.technique, Technique::RayCast(_)) {
-        return Err(RenderError::Technique { technique: stage.technique.name() });
-    }
     let started = Instant::now();
-    let prepared = Prepared::new(stage, volume, cache)?;
-    let integrator = prepared.integrator(set)?;
-    let emitter = Emitter::new(stage, prepared.grid(), &prepared.region, set);
-    let drawing = Instant::now();
-    tiles.draw(control, |tile| draw_tile(stage, &emitter, integrator.as_ref(), control, tile))?;
+    let drawing;
+    let mut rays_per_pixel = stage.quality.supersampling.pow(2);
+    match &stage.technique {
+        Technique::RayCast(_) => {
+            let prepared = Prepared::new(stage, volume, cache)?;
+            let integrator = prepared.integrator(set)?;
+            let emitter = Emitter::new(stage, prepared.grid(), &prepared.region, set);
+            drawing = Instant::now();
+            tiles.draw(control, |tile| draw_tile(stage, &emitter, integrator.as_ref(), control, tile))?;
+        }
+        Technique::PathTrace(settings) => {
+            let tracer = PathTracer::new(stage, volume, settings, &mut cache.tables)?;
+            let drawer = tracer.drawer()?;
+            drawing = Instant::now();
+            rays_per_pixel = settings.samples;
+            tiles.draw(control, |tile| drawer.draw(tile, control))?;
+        }
+        Technique::Slicing(_) => return Err(RenderError::Technique { technique: stage.technique.name() }),
+    }
     let view = &stage.viewpoint;
     if (frame.width, frame.height) != (view.width, view.height) {
         *frame = Frame::new(view.width, view.height);
@@ -123,7 +140,7 @@ fn render(
     tiles.assemble(frame);
     let (tally, rays_hit) = tiles.total();
     frame.statistics = FrameStatistics {
-        rays: (view.width * view.height) as u64 * u64::from(stage.quality.supersampling).pow(2),
+        rays: (view.width * view.height) as u64 * u64::from(rays_per_pixel),
         rays_hit,
         rays_terminated: tally.terminated,
         samples: tally.samples,

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pellucid_field::Volume;
-use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, StageVolume, TableCache, Tables};
+use pellucid_scene::{
+    Control, Frame, FrameStatistics, RenderWarning, Stage, StageVolume, TableCache, Tables, Technique,
+};
 
 use crate::bricks::{self, Brick};
 use crate::device::Device;
@@ -98,6 +100,11 @@ impl GpuRenderer {
             resident: None,
             next: Frame::default(),
         }
+    }
+
+    /// Whether this backend has a technique.
+    pub fn draws(technique: &Technique) -> bool {
+        !matches!(technique, Technique::PathTrace(_))
     }
 
     /// The same renderer with another interpolation.
@@ -199,6 +206,9 @@ impl GpuRenderer {
         let [volume] = stage.volumes.as_slice() else {
             return Err(GpuError::Volumes { found: stage.volumes.len() });
         };
+        if !Self::draws(&stage.technique) {
+            return Err(GpuError::Unsupported { what: stage.technique.name().to_owned() });
+        }
         check_steps(stage, volume)?;
         let tables = self.tables.tables(stage, volume)?;
         let sources = Source::of(&self.device, volume, &tables, stage);

@@ -47,6 +47,18 @@ pub struct OpacityPoint {
     pub interpolation: Interpolation,
 }
 
+/// A number at a data value. In documents `[value, number]`, or with names,
+/// `{ value, number, interpolation }`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NumberPoint {
+    /// Data value.
+    pub value: f64,
+    /// Number there.
+    pub number: f32,
+    /// The way to the next point.
+    pub interpolation: Interpolation,
+}
+
 impl ColorPoint {
     /// A point with [`Interpolation::Linear`].
     pub const fn new(value: f64, color: Color) -> Self {
@@ -58,6 +70,13 @@ impl OpacityPoint {
     /// A point with [`Interpolation::Linear`].
     pub const fn new(value: f64, opacity: f32) -> Self {
         Self { value, opacity, interpolation: Interpolation::Linear }
+    }
+}
+
+impl NumberPoint {
+    /// A point with [`Interpolation::Linear`].
+    pub const fn new(value: f64, number: f32) -> Self {
+        Self { value, number, interpolation: Interpolation::Linear }
     }
 }
 
@@ -101,6 +120,22 @@ impl ControlPoint for OpacityPoint {
     fn problem(&self) -> Option<String> {
         let fits = (0.0..=1.0).contains(&self.opacity);
         (!fits).then(|| format!("opacity is {}: expected 0 to 1 (not 0 to 255)", self.opacity))
+    }
+}
+
+impl ControlPoint for NumberPoint {
+    const LIST: &'static str = "values";
+
+    fn value(&self) -> f64 {
+        self.value
+    }
+
+    fn interpolation(&self) -> Interpolation {
+        self.interpolation
+    }
+
+    fn problem(&self) -> Option<String> {
+        (!self.number.is_finite()).then(|| format!("number is {}: expected a finite one", self.number))
     }
 }
 
@@ -240,6 +275,28 @@ enum OpacityForm {
     Table(OpacityTable),
 }
 
+#[derive(Serialize, Deserialize, JsonSchema)]
+struct NumberPair(f64, f32);
+
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct NumberTable {
+    /// Data value.
+    value: f64,
+    /// Number there.
+    number: f32,
+    /// The way to the next point.
+    #[serde(default, skip_serializing_if = "is_linear")]
+    interpolation: Interpolation,
+}
+
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged)]
+enum NumberForm {
+    Pair(NumberPair),
+    Table(NumberTable),
+}
+
 /// Implements the document forms of a point; `$field` is what it has at its value.
 macro_rules! document_forms {
     ($point:ident, $form:ident, $pair:ident, $table:ident, $field:ident) => {
@@ -288,6 +345,7 @@ macro_rules! document_forms {
 
 document_forms!(ColorPoint, ColorForm, ColorPair, ColorTable, color);
 document_forms!(OpacityPoint, OpacityForm, OpacityPair, OpacityTable, opacity);
+document_forms!(NumberPoint, NumberForm, NumberPair, NumberTable, number);
 
 /// Reads a point from its short or its long form.
 struct PairOrTable<Pair, Table, Point> {

@@ -66,6 +66,14 @@ pub enum OpticsError {
         /// The names there are, comma separated.
         known: String,
     },
+    /// A phase function whose anisotropy is to vary with the data, but which is not described by one.
+    #[error(
+        "phase function {phase} has no single anisotropy that could vary: expected henyey_greenstein, schlick or hybrid"
+    )]
+    NoAnisotropy {
+        /// Its name.
+        phase: &'static str,
+    },
     /// A volume-property file that cannot be read.
     #[error("volume property file: {problem}")]
     VolumeProperty {

@@ -2,7 +2,9 @@
 
 use glam::DAffine3;
 use pellucid_field::{Filter, Gradient};
-use pellucid_optics::{ColorMap, GradientWeight, Light, LightKind, Material, OpticsError, Preset, opacity_shape};
+use pellucid_optics::{
+    ColorMap, Environment, GradientWeight, Light, LightKind, Material, OpticsError, Preset, Scattering, opacity_shape,
+};
 
 use crate::Invalid;
 use crate::check::{Checked, join};
@@ -57,6 +59,26 @@ pub(crate) fn gradient_weight(path: &str, weight: &GradientWeight) -> Checked {
         let key = if matches!(error, OpticsError::Parameter { .. }) { "low" } else { "high" };
         invalid(path, key, &error)
     })
+}
+
+/// How a volume scatters is within its ranges.
+pub(crate) fn scattering(path: &str, scattering: &Scattering) -> Checked {
+    scattering.validate().map_err(|(key, error)| match (key, &error) {
+        ("phase", OpticsError::Parameter { name, .. }) => {
+            invalid(path, &format!("phase.{}.{name}", scattering.phase.name()), &error)
+        }
+        _ => invalid(path, key, &error),
+    })
+}
+
+/// An environment is not darker than dark.
+pub(crate) fn environment(path: &str, environment: &Environment) -> Checked {
+    let key = match environment {
+        Environment::Dark => "",
+        Environment::Constant { .. } => "constant.intensity",
+        Environment::Gradient { .. } => "gradient.intensity",
+    };
+    environment.validate().map_err(|error| invalid(path, key, error))
 }
 
 /// Parameters of a filter are within their ranges.

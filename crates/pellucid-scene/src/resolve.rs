@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use pellucid_field::{FieldError, Grid, Volume};
-use pellucid_optics::{GradientWeight, Light, Lighting, Material, OpticsError, ResolvedLight, TransferFunction};
+use pellucid_optics::{
+    GradientWeight, Light, Lighting, Material, OpticsError, ResolvedLight, Scattering, TransferFunction,
+};
 
 use crate::auto;
 use crate::choice::Choice;
@@ -23,6 +25,8 @@ pub struct StageVolume {
     pub material: Option<Material>,
     /// Gradient magnitudes between which unlit turns into lit, if shading is weighted.
     pub gradient_weight: Option<GradientWeight>,
+    /// How light is scattered.
+    pub scattering: Scattering,
     /// Where in the world this volume is not clipped or cropped away.
     pub region: Region,
 }
@@ -156,6 +160,7 @@ impl Scene {
             transfer_function: look.transfer_function,
             material: look.material,
             gradient_weight: look.gradient_weight,
+            scattering: entry.scattering.clone(),
             region,
             volume,
         })
@@ -163,7 +168,7 @@ impl Scene {
 
     fn ordered_technique(&self) -> Technique {
         let mut technique = self.technique.clone();
-        if let Mode::Isosurface(surfaces) = technique.mode_mut() {
+        if let Some(Mode::Isosurface(surfaces)) = technique.mode_mut() {
             surfaces.isovalues.sort_by(|a, b| a.value.total_cmp(&b.value));
         }
         technique

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use pellucid_field::VoxelType;
-use pellucid_optics::{GradientWeight, Lighting, Material, TransferFunction};
+use pellucid_optics::{GradientWeight, Lighting, Material, Scattering, TransferFunction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -99,6 +99,9 @@ pub struct VolumeEntry {
     /// Gradient magnitudes between which unlit turns into lit; left out, the preset's or none.
     #[serde(default)]
     pub gradient_weight: Option<GradientWeight>,
+    /// How light is scattered, by techniques that follow it through the volume.
+    #[serde(default)]
+    pub scattering: Scattering,
 }
 
 impl VolumeEntry {
@@ -118,6 +121,7 @@ impl VolumeEntry {
             shading: None,
             material: None,
             gradient_weight: None,
+            scattering: Scattering::default(),
         }
     }
 
@@ -149,7 +153,7 @@ impl VolumeEntry {
         if let Some(weight) = &self.gradient_weight {
             check_optics::gradient_weight(&join(path, "gradient_weight"), weight)?;
         }
-        Ok(())
+        check_optics::scattering(&join(path, "scattering"), &self.scattering)
     }
 }
 

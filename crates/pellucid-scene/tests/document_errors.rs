@@ -134,6 +134,35 @@ fn toml_errors_point_at_their_line() {
             "[[volumes]]\nsource = 'memory'\n[volumes.material]\ndiffuse = 0.5\n@shininess = 0\n",
             &["volumes[0].material.shininess", "1 to 1000"],
         ),
+        ("[technique.path_trace]\n@samples = 0\n", &["technique.path_trace.samples: found 0, expected 1 to 1048576"]),
+        (
+            "[technique.path_trace]\nsamples = 1\n@noise = 2\n",
+            &["technique.path_trace.noise: found 2, expected 0 to 1"],
+        ),
+        (
+            "[technique.path_trace]\n@aperture = -1\n",
+            &["technique.path_trace.aperture: found -1, expected 0 or a length"],
+        ),
+        (
+            "[technique.path_trace.environment.constant]\ncolor = '#ffffff'\n@intensity = -1\n",
+            &["technique.path_trace.environment.constant.intensity", "-1", "0 or more"],
+        ),
+        (
+            "[[volumes]]\nsource = 'memory'\n[volumes.scattering.phase.henyey_greenstein]\n@g = 1\n",
+            &["volumes[0].scattering.phase.henyey_greenstein.g", "1", "-0.99 to 0.99"],
+        ),
+        (
+            "[[volumes]]\nsource = 'memory'\n[volumes.scattering]\nphase = 'rayleigh'\n@anisotropy = 'cloud'\n",
+            &["volumes[0].scattering.anisotropy", "rayleigh", "henyey_greenstein, schlick or hybrid"],
+        ),
+        (
+            "[[volumes]]\nsource = 'memory'\n[volumes.scattering.phase.@table]\nvalues = [[1, 1, 1]]\n",
+            &["volumes[0].scattering.phase.table", "entries is 1: expected 2 to 65,536"],
+        ),
+        (
+            "[[volumes]]\nsource = 'memory'\n[volumes.scattering]\n@surface = { values = [[0, 0.5], [1, 2]] }\n",
+            &["volumes[0].scattering.surface.values", "point 1", "2: expected 0 to 1"],
+        ),
         (
             "[[volumes]]\nsource = 'memory'\n[volumes.gradient_weight]\nlow = 3\n@high = 2\n",
             &["volumes[0].gradient_weight.high", "[3, 2]"],

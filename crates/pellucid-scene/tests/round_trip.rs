@@ -106,6 +106,52 @@ fn material() -> impl Strategy<Value = Material> {
     )
 }
 
+fn scattering() -> impl Strategy<Value = Scattering> {
+    const G: std::ops::RangeInclusive<f32> = -0.99..=0.99;
+    let entries = || vec([1e-3f32..9.0, 1e-3f32..9.0, 1e-3f32..9.0], 2..5);
+    let angles = || select(vec![TableAngles::Theta, TableAngles::Cosine]);
+    // Those first whose anisotropy can vary.
+    let phase =
+        (0usize..7, [G, G], 0.0f32..=1.0, angles(), entries()).prop_map(|(k, [first, second], share, at, v)| match k {
+            0 => Phase::HenyeyGreenstein { g: first },
+            1 => Phase::Schlick { g: first },
+            2 => Phase::Hybrid { g: first, back: BackLobe::new(at, v).unwrap() },
+            3 => Phase::DoubleHenyeyGreenstein { first, second, share },
+            4 => Phase::Table(PhaseTable::new(at, v).unwrap()),
+            5 => Phase::Rayleigh,
+            _ => Phase::Isotropic,
+        });
+    let numbers = |range: std::ops::RangeInclusive<f32>| {
+        vec((range, interpolation()), 1..4).prop_map(|points| {
+            let point = |(k, (number, interpolation))| NumberPoint { value: k as f64, number, interpolation };
+            points.into_iter().enumerate().map(point).collect::<Vec<_>>()
+        })
+    };
+    let colors = || {
+        vec((color(), interpolation()), 1..4).prop_map(|points| {
+            let point = |(k, (color, interpolation))| ColorPoint { value: k as f64, color, interpolation };
+            points.into_iter().enumerate().map(point).collect::<Vec<_>>()
+        })
+    };
+    let anisotropy =
+        prop_oneof![Just(Anisotropy::Uniform), Just(Anisotropy::Cloud), numbers(G).prop_map(Anisotropy::Values),];
+    let albedo =
+        prop_oneof![Just(Albedo::Color), (0.0f32..=1.0).prop_map(Albedo::Constant), colors().prop_map(Albedo::Colors),];
+    let surface = prop_oneof![
+        Just(SurfaceShare::None),
+        numbers(0.0..=1.0).prop_map(SurfaceShare::Values),
+        (0.0f32..10.0, 0.5f32..10.0)
+            .prop_map(|(low, more)| SurfaceShare::Gradient(GradientWeight { low, high: low + more })),
+    ];
+    let normalization = select(vec![PhaseNormalization::Physical, PhaseNormalization::Renormalised]);
+    (phase, normalization, anisotropy, albedo, of(colors()), surface).prop_map(
+        |(phase, phase_normalization, anisotropy, albedo, transport, surface)| {
+            let anisotropy = if phase.anisotropy().is_some() { anisotropy } else { Anisotropy::Uniform };
+            Scattering { phase, phase_normalization, anisotropy, albedo, transport, surface }
+        },
+    )
+}
+
 fn volume() -> impl Strategy<Value = VolumeEntry> {
     let interval = || {
         (number(), length())
@@ -120,10 +166,10 @@ fn volume() -> impl Strategy<Value = VolumeEntry> {
         of(select(opacity_shape_names().collect::<Vec<_>>())),
     );
     let weight = (0.0f32..10.0, 0.5f32..10.0).prop_map(|(low, more)| GradientWeight { low, high: low + more });
-    let optics = (of(length()), of(transfer_function()), of(any::<bool>()), of(material()), of(weight));
+    let optics = (of(length()), of(transfer_function()), of(any::<bool>()), of(material()), of(weight), scattering());
     (source(), 0usize..4, of([length(), length(), length()]), of(crop), names, of(interval()), optics).prop_map(
         |(source, component, spacing, crop, (preset, colormap, opacity), window, optics)| {
-            let (unit_distance, transfer_function, shading, material, gradient_weight) = optics;
+            let (unit_distance, transfer_function, shading, material, gradient_weight, scattering) = optics;
             VolumeEntry {
                 source,
                 component,
@@ -138,6 +184,7 @@ fn volume() -> impl Strategy<Value = VolumeEntry> {
                 shading,
                 material,
                 gradient_weight,
+                scattering,
             }
         },
     )
@@ -190,7 +237,34 @@ fn technique() -> impl Strategy<Value = Technique> {
         vec(isovalue, 1..4).prop_map(|isovalues| Mode::Isosurface(Isosurface { isovalues })),
         slice.prop_map(Mode::Slice),
     ];
-    mode.prop_map(|mode| Technique::RayCast(RayCast { mode }))
+    prop_oneof![mode.prop_map(|mode| Technique::RayCast(RayCast { mode })), path_trace().prop_map(Technique::PathTrace)]
+}
+
+fn path_trace() -> impl Strategy<Value = PathTrace> {
+    let environment = prop_oneof![
+        Just(Environment::Dark),
+        (color(), 0.0f32..9.0).prop_map(|(color, intensity)| Environment::Constant { color, intensity }),
+        (color(), color(), 0.0f32..9.0).prop_map(|(top, bottom, intensity)| Environment::Gradient {
+            top,
+            bottom,
+            intensity
+        }),
+    ];
+    let majorants = select(vec![Majorants::Local, Majorants::Global]);
+    let lens = (prop_oneof![Just(0.0), length()], of(length()));
+    (1u32..=1 << 20, 0u32..=100_000, 0.0f32..=1.0, environment, lens, any::<u32>(), 0u32..=100_000, majorants).prop_map(
+        |(samples, bounces, noise, environment, (aperture, focus), seed, roulette, majorants)| PathTrace {
+            samples,
+            bounces,
+            noise,
+            environment,
+            aperture,
+            focus,
+            seed,
+            roulette,
+            majorants,
+        },
+    )
 }
 
 fn quality() -> impl Strategy<Value = Quality> {

@@ -99,7 +99,20 @@ fn every_property_is_described_and_every_reference_leads_somewhere() {
     }
     assert!(count > 20);
     // A variant is described beside its property.
-    let variants = ["perspective", "orthographic", "orbit", "look_at", "plane", "box", "file", "raw", "sample"];
+    let variants = [
+        "perspective",
+        "orthographic",
+        "orbit",
+        "look_at",
+        "plane",
+        "box",
+        "file",
+        "raw",
+        "sample",
+        "constant",
+        "colors",
+        "values",
+    ];
     for (name, property) in properties(&schema) {
         let variant = variants.contains(&name.as_str()) || property.get("$ref").is_some();
         assert!(variant || property["description"].is_string() || property["properties"].is_object(), "{name}");

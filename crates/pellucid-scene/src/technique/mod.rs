@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::{Checked, direction, finite, require};
 
+mod path_trace;
 mod slicing;
 
+pub use path_trace::{Majorants, PathTrace};
 pub use slicing::{BlendOrder, ColorWeight, Correction, Proxy, SliceGeometry, SliceTarget, Slicing};
 
 /// The technique that draws the scene.
@@ -18,6 +20,9 @@ pub enum Technique {
     RayCast(RayCast),
     /// Slices through the volume, blended in their order (chapter 3). On graphics processors.
     Slicing(Slicing),
+    /// Random paths of light through the volume, with all their scatterings: what other techniques
+    /// approximate. On the processor.
+    PathTrace(PathTrace),
 }
 
 impl Default for Technique {
@@ -116,14 +121,16 @@ impl Technique {
         match self {
             Self::RayCast(RayCast { mode }) => mode,
             Self::Slicing(Slicing { mode, .. }) => mode,
+            Self::PathTrace(_) => &Mode::Composite,
         }
     }
 
-    /// What becomes of the samples, to be changed.
-    pub fn mode_mut(&mut self) -> &mut Mode {
+    /// What becomes of the samples, to be changed; `None` if the technique has no choice.
+    pub fn mode_mut(&mut self) -> Option<&mut Mode> {
         match self {
-            Self::RayCast(RayCast { mode }) => mode,
-            Self::Slicing(Slicing { mode, .. }) => mode,
+            Self::RayCast(RayCast { mode }) => Some(mode),
+            Self::Slicing(Slicing { mode, .. }) => Some(mode),
+            Self::PathTrace(_) => None,
         }
     }
 
@@ -140,18 +147,29 @@ impl Technique {
         }
     }
 
+    /// The path tracer, with its settings if it is one.
+    pub fn by_paths(&self) -> Self {
+        match self {
+            Self::PathTrace(settings) => Self::PathTrace(settings.clone()),
+            _ => Self::PathTrace(PathTrace::default()),
+        }
+    }
+
     /// The name of the technique, as in a document.
     pub fn name(&self) -> &'static str {
         match self {
             Self::RayCast(_) => "ray_cast",
             Self::Slicing(_) => "slicing",
+            Self::PathTrace(_) => "path_trace",
         }
     }
 
     pub(crate) fn check(&self, path: &str) -> Checked {
         let path = format!("{path}.{}", self.name());
-        if let Self::Slicing(slicing) = self {
-            slicing.check(&path)?;
+        match self {
+            Self::RayCast(_) => {}
+            Self::Slicing(slicing) => slicing.check(&path)?,
+            Self::PathTrace(path_trace) => path_trace.check(&path)?,
         }
         self.mode().check(&format!("{path}.mode"))
     }

@@ -35,7 +35,7 @@ pub struct CompareArgs {
     /// A volume file, a scene (.toml, .json), or a built-in field as sample:NAME
     input: Input,
     /// Techniques to draw with, the reference first: ray-cast, view-aligned, object-aligned, multi-texture,
-    /// shells; each may say where, as ray-cast@cpu or ray-cast@gpu [default: the scene's own]
+    /// shells, path-trace; each may say where, as ray-cast@cpu or ray-cast@gpu [default: the scene's own]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     techniques: Vec<Rendition>,
     /// One more picture, of the first technique with these settings (as --set takes them, separated by

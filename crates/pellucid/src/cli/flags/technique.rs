@@ -18,21 +18,24 @@ const MODES: [(&str, Mode); 6] = [
 ];
 
 /// What draws, by name.
-pub const TECHNIQUES: [(&str, Kind); 5] = [
+pub const TECHNIQUES: [(&str, Kind); 6] = [
     ("ray-cast", Kind::Rays),
     ("view-aligned", Kind::Slices(SliceGeometry::ViewAligned)),
     ("object-aligned", Kind::Slices(SliceGeometry::ObjectAligned)),
     ("multi-texture", Kind::Slices(SliceGeometry::MultiTexture)),
     ("shells", Kind::Slices(SliceGeometry::Shells)),
+    ("path-trace", Kind::Paths),
 ];
 
-/// A technique that keeps the scene's mode.
+/// A technique that keeps the scene's mode, as far as it has any.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     /// The ray caster.
     Rays,
     /// Slices.
     Slices(SliceGeometry),
+    /// The path tracer.
+    Paths,
 }
 
 impl Kind {
@@ -41,6 +44,7 @@ impl Kind {
         match self {
             Self::Rays => technique.along_rays(),
             Self::Slices(geometry) => technique.in_slices(geometry),
+            Self::Paths => technique.by_paths(),
         }
     }
 }
@@ -51,7 +55,8 @@ const COMBINES: [(&str, Combine); 3] =
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Technique")]
 pub struct TechniqueFlags {
-    /// What draws: rays, or slices blended by a graphics adapter [default: ray-cast]
+    /// What draws: rays, slices blended by a graphics adapter, or random paths of light on the processor
+    /// [default: ray-cast]
     ///
     /// Slices lie across the view (view-aligned), on the volume's own planes (object-aligned), between those
     /// (multi-texture), or on spheres around the eye (shells). They keep no depth and no normals.
@@ -106,7 +111,22 @@ impl TechniqueFlags {
         if let Some(technique) = self.technique {
             scene.technique = technique.like(&scene.technique);
         }
-        let mode = scene.technique.mode_mut();
+        let technique = scene.technique.name();
+        let Some(mode) = scene.technique.mode_mut() else {
+            let flags = [
+                (self.mode.is_some(), "--mode"),
+                (!self.iso.is_empty(), "--iso"),
+                (self.slice.is_some(), "--slice"),
+                (self.at.is_some(), "--at"),
+                (self.thickness.is_some(), "--thickness"),
+                (self.combine.is_some(), "--combine"),
+            ];
+            let given = flags.into_iter().find(|(given, _)| *given);
+            return given.map_or(Ok(()), |(_, flag)| {
+                let message = format_args!("{flag} has no meaning for {technique}, which the scene asks for");
+                Err(Failure::input(message).hint("add --technique ray-cast"))
+            });
+        };
         if let Some(given) = &self.mode {
             *mode = given.clone();
         }
@@ -138,8 +158,8 @@ impl TechniqueFlags {
 
     /// Moves the slice to its place in percent, if it is given so and there is a slice.
     pub fn place(&self, scene: &mut Scene, volume: &StageVolume) -> bool {
-        let mode = scene.technique.mode_mut();
-        let (Some(Position::Percent(percent)), Some(slice)) = (self.at, slice_of(mode)) else { return false };
+        let slice = scene.technique.mode_mut().and_then(slice_of);
+        let (Some(Position::Percent(percent)), Some(slice)) = (self.at, slice) else { return false };
         let Some(normal) = slice.normal else { return false };
         let dot = |p: [f64; 3]| (0..3).map(|axis| p[axis] * normal[axis]).sum::<f64>();
         let grid = volume.volume.grid();
