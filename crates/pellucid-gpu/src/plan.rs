@@ -37,6 +37,16 @@ pub struct MemoryPlan {
     pub rows: u32,
 }
 
+/// What a technique wants of the memory.
+pub(crate) struct Demands {
+    /// How voxels shall lie in textures, if there is room for it.
+    pub layout: Layout,
+    /// Voxels beyond a brick's cells that its samples need.
+    pub border: usize,
+    /// Bytes per pixel beyond those of [`Targets`].
+    pub pixel_bytes: u64,
+}
+
 impl MemoryPlan {
     /// The most states of rays that there are at once: a buffer may be bound up to twice as large.
     const MOST_PIXELS: u64 = 1 << 20;
@@ -55,13 +65,13 @@ impl MemoryPlan {
         volume: &StageVolume,
         sources: &[Source],
         optics: &Optics,
-        (wanted_layout, border): (Layout, usize),
+        Demands { layout: wanted_layout, border, pixel_bytes }: Demands,
     ) -> Result<(Self, Vec<Brick>), GpuError> {
         let (width, height) = (stage.viewpoint.width as u64, stage.viewpoint.height as u64);
         let tables = optics.table_bytes() + 4 * (pellucid_scene::BLUE_NOISE_TILE as u64).pow(2);
         let blocks = optics.block_bytes();
         let voxel_bytes: usize = sources.iter().map(|source| source.encoding.bytes).sum();
-        let row = width * Targets::PIXEL_BYTES;
+        let row = width * (Targets::PIXEL_BYTES + pixel_bytes);
         let dims = volume.volume.grid().dims();
         let advice = "allow more memory or draw a narrower picture";
         let fixed = tables

@@ -13,6 +13,7 @@ use crate::bricks::{self, Brick};
 use crate::device::Device;
 use crate::optics::Optics;
 use crate::pipelines::Pipelines;
+use crate::plan::Demands;
 use crate::ray_cast::RayCaster;
 use crate::resident::{Resident, Source};
 use crate::reused::Reused;
@@ -215,7 +216,11 @@ impl GpuRenderer {
         let optics = Optics::new(stage, volume, &tables);
         let demands = match stage.slicing() {
             Some(slicing) => slicing::demands(stage, volume, &optics, slicing),
-            None => (Layout::Solid, bricks::border(stage, volume.volume.grid(), 1.0)),
+            None => Demands {
+                layout: Layout::Solid,
+                border: bricks::border(stage, volume.volume.grid(), 1.0),
+                pixel_bytes: 0,
+            },
         };
         let (plan, bricks) = MemoryPlan::new(&self.device, self.budget, stage, volume, &sources, &optics, demands)?;
         Ok(Prepared { volume, tables, sources, plan, bricks })

@@ -192,6 +192,11 @@ fn toml_errors_point_at_their_line() {
             "[[technique.ray_cast.mode.isosurface.isovalues]]\nvalue = 1\n[[technique.ray_cast.mode.isosurface.isovalues]]\nvalue = 2\n@opacity = 1.5\n",
             &["technique.ray_cast.mode.isosurface.isovalues[1].opacity: found 1.5, expected 0 to 1"],
         ),
+        (
+            "[technique.slicing.mode.slice]\n@thickness = 0\n",
+            &["technique.slicing.mode.slice.thickness: found 0", "a plane is for the ray caster"],
+        ),
+        ("[technique.slicing]\n@samples = 17\n", &["technique.slicing.samples: found 17, expected 1 to 16"]),
         ("[technique.ray_cast.mode.slice]\n@thickness = -1\n", &["technique.ray_cast.mode.slice.thickness: found -1"]),
         // Colours and transfer functions.
         ("[image.background]\n@color = '#ff80'\n", &["image.background.color", "#ff80", "#rrggbb"]),

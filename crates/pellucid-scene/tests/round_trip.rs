@@ -204,8 +204,11 @@ fn camera() -> impl Strategy<Value = Camera> {
         let target = std::array::from_fn(|axis| position[axis] * 2.0 + away[axis]);
         View::LookAt(LookAt { position, target, up })
     });
-    let look_at =
-        look_at.prop_filter("eye and target apart", |view| matches!(view, View::LookAt(l) if l.position != l.target));
+    let look_at = look_at.prop_filter("eye and target apart", |view| {
+        let View::LookAt(LookAt { position, target, .. }) = view else { return false };
+        // As the check measures it: squares of the smallest numbers vanish.
+        position.iter().zip(target).map(|(p, t)| (t - p).powi(2)).sum::<f64>() > 0.0
+    });
     (projection, prop_oneof![orbit, look_at]).prop_map(|(projection, view)| Camera { projection, view })
 }
 
@@ -237,7 +240,43 @@ fn technique() -> impl Strategy<Value = Technique> {
         vec(isovalue, 1..4).prop_map(|isovalues| Mode::Isosurface(Isosurface { isovalues })),
         slice.prop_map(Mode::Slice),
     ];
-    prop_oneof![mode.prop_map(|mode| Technique::RayCast(RayCast { mode })), path_trace().prop_map(Technique::PathTrace)]
+    prop_oneof![
+        mode.clone().prop_map(|mode| Technique::RayCast(RayCast { mode })),
+        slicing(mode).prop_map(Technique::Slicing),
+        path_trace().prop_map(Technique::PathTrace)
+    ]
+}
+
+fn slicing(mode: impl Strategy<Value = Mode>) -> impl Strategy<Value = Slicing> {
+    use SliceGeometry::*;
+    let mode = mode.prop_filter("a plane is not drawn in slices", |mode| match mode {
+        Mode::Slice(slice) => slice.thickness > 0.0,
+        _ => true,
+    });
+    let geometry = select(vec![ViewAligned, ObjectAligned, MultiTexture, Shells]);
+    let order = select(vec![BlendOrder::FrontToBack, BlendOrder::BackToFront]);
+    let target = select(vec![SliceTarget::U8, SliceTarget::F16, SliceTarget::F32]);
+    let colors = select(vec![ColorWeight::Associated, ColorWeight::NonAssociated]);
+    let correction = select(vec![Correction::PerSample, Correction::PerFrame, Correction::Off]);
+    let proxy = select(vec![Proxy::VertexStage, Proxy::Processor]);
+    let looks = (1u32..=16, 0u32..=1000, any::<bool>());
+    (mode, geometry, order, target, colors, correction, proxy, looks).prop_map(
+        |(mode, geometry, order, target, colors, correction, proxy, looks)| {
+            let (samples, termination_interval, occlusion_culling) = looks;
+            Slicing {
+                mode,
+                geometry,
+                order,
+                target,
+                colors,
+                correction,
+                proxy,
+                samples,
+                termination_interval,
+                occlusion_culling,
+            }
+        },
+    )
 }
 
 fn path_trace() -> impl Strategy<Value = PathTrace> {

@@ -5,7 +5,7 @@ use std::fmt;
 use pellucid_cpu::{CpuRenderer, InstructionSet};
 #[cfg(feature = "gpu")]
 use pellucid_gpu::{AdapterChoice, Ceiling, GpuRenderer};
-use pellucid_scene::{Choice, Control, Frame, Stage};
+use pellucid_scene::{Choice, Control, Frame, Stage, Technique};
 
 /// What draws a stage. Every backend draws the same picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,6 +20,18 @@ pub enum Backend {
     /// A graphics processor, through Vulkan, Metal or DX12.
     #[cfg(feature = "gpu")]
     Gpu,
+}
+
+impl Backend {
+    /// Whether it has a technique; automatically chosen, one of them has.
+    pub fn draws(self, technique: &Technique) -> bool {
+        match self {
+            Self::Auto => true,
+            Self::Cpu => CpuRenderer::draws(technique),
+            #[cfg(feature = "gpu")]
+            Self::Gpu => GpuRenderer::draws(technique),
+        }
+    }
 }
 
 impl fmt::Display for Backend {

@@ -7,10 +7,9 @@
 mod common;
 
 use pellucid::io::read_png;
-use pellucid::scene::Control;
-use pellucid::{Backend, Renderer, save};
+use pellucid::save;
 
-use common::{difference, folder, scenes, stage};
+use common::{difference, draw, folder, scenes, stage};
 
 #[test]
 fn every_scene_looks_as_stored() {
@@ -18,7 +17,7 @@ fn every_scene_looks_as_stored() {
     let mut failures = Vec::new();
     for path in scenes() {
         let (scene, stage) = stage(&path);
-        let frame = Renderer::new(Backend::Cpu).unwrap().render(&stage, &Control::default()).unwrap();
+        let frame = draw(&stage);
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
         assert!(!scene.title.is_empty(), "{name} has no title");
         let stored = folder().join("golden").join(format!("{name}.png"));

@@ -4,21 +4,11 @@
 #[path = "common/gallery.rs"]
 mod common;
 
-use pellucid::gpu::{AdapterChoice, Ceiling, Device, GpuRenderer, Interpolation, Passes};
-use pellucid::scene::{Control, Frame, Stage};
-use pellucid::{Backend, Renderer};
+use pellucid::Backend;
+use pellucid::gpu::{Ceiling, GpuRenderer, Interpolation, Passes};
+use pellucid::scene::Control;
 
-use common::{difference, scenes, stage};
-
-fn gpu(ceiling: &Ceiling) -> GpuRenderer {
-    let open = |choice| Device::open(&choice, ceiling);
-    let device = open(AdapterChoice::Hardware).or_else(|_| open(AdapterChoice::Software));
-    GpuRenderer::on(device.expect("a Vulkan driver is needed; on Debian: apt-get install mesa-vulkan-drivers"))
-}
-
-fn cpu(stage: &Stage) -> Frame {
-    Renderer::new(Backend::Cpu).unwrap().render(stage, &Control::default()).unwrap()
-}
+use common::{difference, draw, gpu, scenes, stage};
 
 /// Draws every scene on both backends; returns what exceeds the bounds.
 fn compare(mut gpu: GpuRenderer, least_psnr: f64, most: u8) -> Vec<String> {
@@ -26,11 +16,12 @@ fn compare(mut gpu: GpuRenderer, least_psnr: f64, most: u8) -> Vec<String> {
     for path in scenes() {
         let (scene, stage) = stage(&path);
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
-        if !GpuRenderer::draws(&stage.technique) {
+        // What only one of them draws is compared with its stored picture.
+        if ![Backend::Cpu, Backend::Gpu].iter().all(|backend| backend.draws(&stage.technique)) {
             continue;
         }
         let found = gpu.render(&stage, &Control::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let expected = cpu(&stage);
+        let expected = draw(&stage);
         if let Some(folder) = std::env::var_os("PELLUCID_GPU_PICTURES") {
             let path = std::path::Path::new(&folder).join(format!("{name}.png"));
             pellucid::save(&path, &found, &scene.image).unwrap();
@@ -57,7 +48,7 @@ fn rays_that_are_followed_in_turns_draw_the_same_bits() {
     let mut wavefront = gpu(&Ceiling::default()).with_passes(Passes::Wavefront);
     for path in scenes().into_iter().filter(|path| !path.to_string_lossy().contains("marschner-lobb")) {
         let (_, mut stage) = stage(&path);
-        if !GpuRenderer::draws(&stage.technique) {
+        if !Backend::Gpu.draws(&stage.technique) || stage.slicing().is_some() {
             continue;
         }
         stage.quality.supersampling = 2;

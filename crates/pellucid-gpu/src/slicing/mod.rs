@@ -13,18 +13,22 @@ mod view;
 use std::ops::Range;
 use std::time::Instant;
 
-use bytemuck::bytes_of;
+use bytemuck::{bytes_of, cast_slice};
 use pellucid_scene::{Control, Frame as Picture, RenderWarning, Slicing, Stage, StageVolume};
 use wgpu::{
-    BindGroup, BindingResource, Buffer, BufferUsages, CommandEncoder, CommandEncoderDescriptor, IndexFormat, LoadOp,
-    Operations, RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor, StoreOp,
+    BindGroup, BindingResource, Buffer, BufferUsages, Color, CommandEncoder, CommandEncoderDescriptor, IndexFormat,
+    LoadOp, Operations, RenderPass, RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor,
+    RenderPassTimestampWrites, StoreOp,
 };
 
 use crate::bindings::Bindings;
+use crate::bricks::{self, Brick};
 use crate::dispatch::dispatch;
 use crate::optics::Optics;
+use crate::pace::Pace;
 use crate::passes::PassBuffer;
 use crate::pipelines::{Pipeline, Pipelines};
+use crate::plan::Demands;
 use crate::renderer::Drawing;
 use crate::resident::Resident;
 use crate::reused::Reused;
@@ -49,13 +53,14 @@ pub use targets::Canvas;
 /// Most looks at what is done in a frame: each waits for the slices before it.
 const MOST_LOOKS: u32 = 64;
 
-/// How a stage's slices want voxels to lie in textures, and how many voxels beyond a brick they read.
-pub fn demands(stage: &Stage, volume: &StageVolume, optics: &Optics, slicing: &Slicing) -> (Layout, usize) {
+/// What the slices of a stage want of the memory.
+pub fn demands(stage: &Stage, volume: &StageVolume, optics: &Optics, slicing: &Slicing) -> Demands {
     let grid = volume.volume.grid();
     let lattice = Lattice::new(stage, grid, slicing);
     let filtered = Bindings::needs_kernels(stage, optics);
     let layout = lattice.axis.filter(|_| !filtered).map_or(Layout::Solid, Layout::Stack);
-    (layout, crate::bricks::border(stage, grid, lattice.longest.min(MOST_STRIDE)))
+    let border = bricks::border(stage, grid, lattice.longest.min(MOST_STRIDE));
+    Demands { layout, border, pixel_bytes: Canvas::PIXEL_BYTES }
 }
 
 /// Everything on the device that one frame is drawn with.
@@ -195,7 +200,7 @@ impl<'a> Slicer<'a> {
     /// What a band is drawn with.
     fn layer(&self, canvas: &Canvas, [row, rows, sub]: [u32; 3]) -> Layer {
         let Self { bindings, geometry, .. } = self;
-        let pass = |(brick, _): &(crate::bricks::Brick, Range<u32>)| {
+        let pass = |(brick, _): &(Brick, Range<u32>)| {
             let [x, y, z] = brick.voxels.low.map(|v| v as u32);
             uniforms::Pass { rows: [row, rows, sub, u32::MAX], texture_low: [x, y, z, 0], ..uniforms::Pass::default() }
         };
@@ -205,7 +210,7 @@ impl<'a> Slicer<'a> {
         let numbers = self.device.constant_buffer("slices", bytes_of(&numbers));
         // At first all boxes may be seen.
         let seen = vec![1u32; geometry.box_count.max(1) as usize];
-        let visible = self.device.buffer("visible", bytemuck::cast_slice(&seen), BufferUsages::STORAGE);
+        let visible = self.device.buffer("visible", cast_slice(&seen), BufferUsages::STORAGE);
         let group = |layout, own: &[(u32, BindingResource)]| bindings.frame_group(layout, &passes, own);
         let [boxes, instances, visible, slices, tiles] =
             [&geometry.boxes, &geometry.instances, &visible, &numbers, &canvas.tiles].map(Buffer::as_entire_binding);
@@ -234,7 +239,7 @@ impl<'a> Slicer<'a> {
         canvas: &Canvas,
         layer: &Layer,
         timer: Option<&Timer>,
-        pace: &mut crate::pace::Pace,
+        pace: &mut Pace,
         control: &Control,
     ) -> Result<Option<f64>, GpuError> {
         let timer = timer.filter(|_| self.resident.is_complete());
@@ -339,8 +344,8 @@ impl<'a> Slicer<'a> {
         encoder: &'e mut CommandEncoder,
         canvas: &Canvas,
         clears: bool,
-        timestamp_writes: Option<wgpu::RenderPassTimestampWrites>,
-    ) -> wgpu::RenderPass<'e> {
+        timestamp_writes: Option<RenderPassTimestampWrites>,
+    ) -> RenderPass<'e> {
         let target = |view, color| {
             let load = if clears { LoadOp::Clear(color) } else { LoadOp::Load };
             Some(RenderPassColorAttachment {
@@ -354,7 +359,7 @@ impl<'a> Slicer<'a> {
             label: Some("slices"),
             color_attachments: &[
                 target(&canvas.colors, cleared(self.bindings.variant.pass)),
-                target(&canvas.counts, wgpu::Color::TRANSPARENT),
+                target(&canvas.counts, Color::TRANSPARENT),
             ],
             depth_stencil_attachment: Some(depth(canvas, if clears { LoadOp::Clear(1.0) } else { LoadOp::Load })),
             timestamp_writes,

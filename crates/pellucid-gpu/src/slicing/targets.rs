@@ -29,6 +29,9 @@ pub struct Canvas {
 }
 
 impl Canvas {
+    /// Bytes per pixel of a band, at most.
+    pub const PIXEL_BYTES: u64 = 16 + 8 + 4;
+
     /// Textures for a band of this size.
     pub fn new(device: &Device, size: [u32; 2], blending: &Blending) -> Self {
         let [width, height] = size;

@@ -1,9 +1,12 @@
 //! The scenes of `scenes/`, and how far two pictures are apart.
 
+#![allow(dead_code)] // Every test file uses its own part.
+
 use std::path::{Path, PathBuf};
 
-use pellucid::load;
-use pellucid::scene::{Format, Scene, Stage};
+use pellucid::gpu::{AdapterChoice, Ceiling, Device, GpuRenderer, Interpolation};
+use pellucid::scene::{Control, Format, Frame, Scene, Stage};
+use pellucid::{Backend, Renderer, load};
 
 /// Where the scenes are.
 pub fn folder() -> PathBuf {
@@ -29,6 +32,23 @@ pub fn stage(path: &Path) -> (Scene, Stage) {
     let (volumes, _) = load(&scene, folder()).unwrap();
     let (stage, _) = scene.resolve(&volumes).unwrap();
     (scene, stage)
+}
+
+/// A GPU renderer on whatever Vulkan driver there is.
+pub fn gpu(ceiling: &Ceiling) -> GpuRenderer {
+    let open = |choice| Device::open(&choice, ceiling);
+    let device = open(AdapterChoice::Hardware).or_else(|_| open(AdapterChoice::Software));
+    GpuRenderer::on(device.expect("a Vulkan driver is needed; on Debian: apt-get install mesa-vulkan-drivers"))
+}
+
+/// What the processor draws or, by techniques that it has not, a GPU renderer.
+pub fn draw(stage: &Stage) -> Frame {
+    let mut renderer = if Backend::Cpu.draws(&stage.technique) {
+        Renderer::new(Backend::Cpu).unwrap()
+    } else {
+        gpu(&Ceiling::default()).with_interpolation(Interpolation::Exact).into()
+    };
+    renderer.render(stage, &Control::default()).unwrap()
 }
 
 /// Peak signal-to-noise ratio in dB and the largest difference, of 8-bit channels.
