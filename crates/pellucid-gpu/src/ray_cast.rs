@@ -24,6 +24,7 @@ use crate::timer::Timer;
 use crate::uniforms::{self, Frame, Light};
 use crate::uploads::{Uploads, storage};
 use crate::wavefront::{Front, Pace};
+use crate::window::Window;
 use crate::{Device, GpuError};
 
 /// How long the commands of a submission may take: short enough to be cancelled in time, and far from
@@ -91,6 +92,7 @@ pub struct RayCaster<'a> {
     resident: &'a mut Resident,
     stage: &'a Stage,
     uploads: &'a Uploads,
+    window: Window,
     bricks: Vec<Brick>,
     march: Pipeline,
     resolve: Pipeline,
@@ -139,6 +141,8 @@ impl<'a> RayCaster<'a> {
         }
         .canonical();
         let mut frame = Frame::new(stage, volume, &region);
+        let window = Window::of(&stage.viewpoint, &grid.world_corners());
+        frame.set_window(&window);
         frame.set_values(resident.field().data());
         frame.set_nodes(&optics.nodes);
         if let Some(blocks) = optics.blocks {
@@ -168,6 +172,7 @@ impl<'a> RayCaster<'a> {
             resident,
             stage,
             uploads,
+            window,
             bricks,
             march,
             resolve,
@@ -179,27 +184,29 @@ impl<'a> RayCaster<'a> {
         })
     }
 
-    /// Draws all bands into a picture of the stage's size.
+    /// Draws all bands that the volume can be in into an empty picture of the stage's size.
     ///
     /// # Errors
     /// [`GpuError::Cancelled`], or what the device reports.
     pub fn draw(&mut self, reused: &mut Reused, control: &Control, picture: &mut Picture) -> Result<(), GpuError> {
-        let (width, height) = (picture.width as u32, picture.height as u32);
+        let Window { low: [column, first], size: [width, height] } = self.window;
         let rays = u64::from(width) * u64::from(self.stage.quality.supersampling.pow(2));
         let wavefront = self.march.variant.wavefront;
         let timer = reused.timer.as_ref();
         let mut busy = timer.map(|_| 0.0);
-        let mut row = 0;
-        while row < height {
-            let most = self.resident.plan.rows.min(height - row);
+        let (mut row, end) = (first, if width == 0 { first } else { first + height });
+        while row < end {
+            let most = self.resident.plan.rows.min(end - row);
             // The passes of bricks are many anyway: as many rows of each as there can be; a wavefront is as
             // wide as there is room.
             let learnt = self.resident.is_whole() && !wavefront;
             let wanted = if learnt { (reused.bands.rays() / rays) as u32 } else { most };
             let rows = wanted.max(8).next_multiple_of(8).min(most);
             // The old ones go first.
-            reused.targets.take_if(|targets| !targets.fits(width, rows));
-            let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, width, rows));
+            let room = picture.width as u64 * u64::from(rows);
+            reused.targets.take_if(|targets| !targets.fits(room));
+            let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, room));
+            targets.width = width;
             let band = Band { row, rows };
             let seconds = if wavefront {
                 self.draw_wavefront(targets, timer, &mut reused.pace, band, control)?
@@ -207,9 +214,9 @@ impl<'a> RayCaster<'a> {
                 self.draw_band(targets, timer, band, &mut reused.bands, control)?
             };
             busy = sum(busy, seconds);
-            targets.read(self.device, row, rows, picture)?;
+            targets.read(self.device, [column, row], rows, picture)?;
             row += rows;
-            control.report(f64::from(row) / f64::from(height));
+            control.report(f64::from(row - first) / f64::from(height));
         }
         reused.bands.end_frame();
         picture.statistics.device_seconds = busy;
