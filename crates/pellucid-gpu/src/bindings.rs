@@ -17,11 +17,14 @@ use crate::resident::Resident;
 use crate::shaders::Variant;
 use crate::uniforms::{self, Frame, Light};
 use crate::uploads::{Uploads, storage};
+use crate::window::Window;
 
 /// The buffers of a frame: those that every technique reads.
 pub struct Bindings<'a> {
     device: &'a Device,
     uploads: &'a Uploads,
+    /// The part of the picture that is drawn.
+    pub window: Window,
     /// What is compiled into shaders that look at the volume.
     pub variant: Variant,
     /// Most looks at the blocks in a pass.
@@ -60,6 +63,8 @@ impl<'a> Bindings<'a> {
             ..Variant::of(optics.pass)
         };
         let mut frame = Frame::new(stage, volume, &region);
+        let window = Window::of(&stage.viewpoint, &grid.world_corners());
+        frame.set_window(&window);
         frame.set_values(resident.field().data());
         frame.set_nodes(&optics.nodes);
         if let Some(blocks) = optics.blocks {
@@ -76,6 +81,7 @@ impl<'a> Bindings<'a> {
         Self {
             device,
             uploads,
+            window,
             variant,
             most_looks: kernels.as_ref().map_or(u32::MAX, Kernels::most_looks),
             kernels: kernels.map(|kernels| device.constant_buffer("kernels", cast_slice(&kernels.to_fours()))),

@@ -29,6 +29,7 @@ mod timer;
 mod uniforms;
 mod uploads;
 mod wavefront;
+mod window;
 
 pub use device::{AdapterChoice, AdapterSummary, Capabilities, Ceiling, Device, adapters};
 pub use error::GpuError;

@@ -21,6 +21,7 @@ use crate::timer::Timer;
 use crate::uniforms;
 use crate::uploads::Uploads;
 use crate::wavefront::Front;
+use crate::window::Window;
 use crate::{Device, GpuError};
 
 /// Most passes of a submission.
@@ -76,37 +77,39 @@ impl<'a> RayCaster<'a> {
         Ok(Self { device, resident, stage, bindings, bricks, march, resolve, table })
     }
 
-    /// Draws all bands into a picture of the stage's size.
+    /// Draws all bands that the volume can be in into an empty picture of the stage's size.
     ///
     /// # Errors
     /// [`GpuError::Cancelled`], or what the device reports.
     pub fn draw(&mut self, reused: &mut Reused, control: &Control, picture: &mut Picture) -> Result<(), GpuError> {
-        let (width, height) = (picture.width as u32, picture.height as u32);
+        let Window { low: [column, first], size: [width, height] } = self.bindings.window;
         let rays = u64::from(width) * u64::from(self.stage.quality.supersampling.pow(2));
         let wavefront = self.march.variant.wavefront;
-        let mut busy = reused.timer.as_ref().filter(|_| !wavefront && self.resident.is_complete()).map(|_| 0.0);
-        let mut row = 0;
-        while row < height {
-            let most = self.resident.plan.rows.min(height - row);
+        let timer = reused.timer.as_ref();
+        let mut busy = timer.map(|_| 0.0);
+        let (mut row, end) = (first, if width == 0 { first } else { first + height });
+        while row < end {
+            let most = self.resident.plan.rows.min(end - row);
             // The passes of bricks are many anyway: as many rows of each as there can be; a wavefront is as
             // wide as there is room.
             let learnt = self.resident.is_whole() && !wavefront;
             let wanted = if learnt { (reused.bands.rays() / rays) as u32 } else { most };
             let rows = wanted.max(8).next_multiple_of(8).min(most);
             // The old ones go first.
-            reused.targets.take_if(|targets| !targets.fits(width, rows));
-            let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, width, rows));
+            let room = picture.width as u64 * u64::from(rows);
+            reused.targets.take_if(|targets| !targets.fits(room));
+            let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, room));
+            targets.width = width;
             let band = Band { row, rows };
-            if wavefront {
-                self.draw_wavefront(targets, &mut reused.looks, band, control)?;
+            let seconds = if wavefront {
+                self.draw_wavefront(targets, timer, &mut reused.looks, band, control)?
             } else {
-                let timer = reused.timer.as_ref();
-                let seconds = self.draw_band(targets, timer, band, &mut reused.bands, control)?;
-                busy = busy.zip(seconds).map(|(busy, seconds)| busy + seconds);
-            }
-            targets.read(self.device, row, rows, picture)?;
+                self.draw_band(targets, timer, band, &mut reused.bands, control)?
+            };
+            busy = sum(busy, seconds);
+            targets.read(self.device, [column, row], rows, picture)?;
             row += rows;
-            control.report(f64::from(row) / f64::from(height));
+            control.report(f64::from(row - first) / f64::from(height));
         }
         reused.bands.end_frame();
         picture.statistics.device_seconds = busy;
@@ -126,13 +129,14 @@ impl<'a> RayCaster<'a> {
         let (pixels, bricks) = (u64::from(targets.width) * u64::from(band.rows), self.bricks.len());
         let turns = bricks * self.stage.quality.supersampling.pow(2) as usize;
         let size = [targets.width, band.rows];
+        let complete = self.resident.is_complete();
         let mut busy = Some(0.0);
         let mut turn = 0;
         while turn < turns {
             if control.is_cancelled() {
                 return Err(GpuError::Cancelled);
             }
-            let together = if self.resident.is_complete() { (bands.rays() / pixels) as usize } else { 1 };
+            let together = if complete { (bands.rays() / pixels) as usize } else { 1 };
             let together = together.clamp(1, MOST_PASSES);
             let first = turn;
             turn = turns.min(turn + together);
@@ -144,12 +148,14 @@ impl<'a> RayCaster<'a> {
                 let brick = self.bricks[turn % bricks];
                 views.push(self.resident.textures(self.device, &brick, control)?);
             }
-            if self.resident.is_complete() {
+            if complete {
                 // Uploads are not what is measured.
                 self.device.wait()?;
             }
-            let timer = timer.filter(|_| self.resident.is_complete());
-            let writes = |first, last| timer.and_then(|timer| timer.writes(first, last));
+            // Passes that wait for bricks are not waited for: their times are read many at once.
+            let pair = if complete { 0 } else { first % Timer::PAIRS };
+            let reads = complete || pair + 1 == Timer::PAIRS || turn == turns;
+            let writes = |first, last| timer.and_then(|timer| timer.writes(pair, first, last));
             let started = Instant::now();
             let mut encoder = self.encoder();
             for (number, view) in views.iter().enumerate() {
@@ -163,21 +169,24 @@ impl<'a> RayCaster<'a> {
             if turn == turns {
                 targets.copy(&mut encoder, band.rows);
             }
-            if let Some(timer) = timer {
-                timer.copy(&mut encoder);
+            if let Some(timer) = timer.filter(|_| reads) {
+                timer.copy(&mut encoder, pair + 1);
             }
             let submission = self.device.queue.submit([encoder.finish()]);
-            if self.resident.is_complete() {
+            if complete {
                 self.device.wait()?;
                 bands.learn(pixels * (turn - first) as u64, started.elapsed());
-                busy = busy.zip(timer.and_then(Timer::seconds)).map(|(busy, seconds)| busy + seconds);
             } else {
                 // Meanwhile the next brick may come.
                 self.resident.used(submission);
                 self.device.check()?;
             }
+            if reads {
+                self.device.wait()?;
+                busy = sum(busy, timer.and_then(|timer| timer.seconds(pair + 1)));
+            }
         }
-        Ok(busy.filter(|_| self.resident.is_complete()))
+        Ok(busy)
     }
 
     /// What a turn draws: a brick for one of the rays of the pixels.
@@ -195,19 +204,22 @@ impl<'a> RayCaster<'a> {
 
     /// Follows all rays for a while, then those that are not done, until there is none: every submission
     /// is short, whatever the rays meet, and no invocation is spent on a ray that has ended (7.4-1).
+    /// Returns the seconds that the device worked, if it tells.
     fn draw_wavefront(
         &mut self,
         targets: &Targets,
+        timer: Option<&Timer>,
         pace: &mut Pace,
         band: Band,
         control: &Control,
-    ) -> Result<(), GpuError> {
+    ) -> Result<Option<f64>, GpuError> {
         let Band { row, rows } = band;
         let rays = self.stage.quality.supersampling.pow(2);
         let capacity = targets.width * rows;
         let front = Front::new(self.device, capacity);
         let view = self.resident.textures(self.device, &self.bricks[0], control)?;
         let volume = self.volume_group(&view);
+        let mut busy = Some(0.0);
         for sub in 0..rays {
             // Rays that go on, once there has been a pass.
             let mut left = None;
@@ -229,9 +241,14 @@ impl<'a> RayCaster<'a> {
                 // Lists are read by workgroups in one row.
                 let size = left.map_or([targets.width, rows], |rays: u32| [rays.div_ceil(8), 1]);
                 let started = Instant::now();
-                dispatch(&mut encoder, &self.march.pipeline, &[&group, &volume, &self.table], 0, size, None);
+                let writes = timer.and_then(|timer| timer.writes(0, true, true));
+                dispatch(&mut encoder, &self.march.pipeline, &[&group, &volume, &self.table], 0, size, writes);
+                if let Some(timer) = timer {
+                    timer.copy(&mut encoder, 1);
+                }
                 left = Some(front.count(self.device, encoder, 1 - list)?);
                 pace.learn(started.elapsed());
+                busy = sum(busy, timer.and_then(|timer| timer.seconds(1)));
                 list = 1 - list;
             }
             let pass = uniforms::Pass { rows: [row, rows, sub, 0], ..uniforms::Pass::default() };
@@ -244,7 +261,7 @@ impl<'a> RayCaster<'a> {
             }
             self.device.queue.submit([encoder.finish()]);
         }
-        Ok(())
+        Ok(busy)
     }
 
     fn encoder(&self) -> CommandEncoder {
@@ -270,4 +287,9 @@ impl<'a> RayCaster<'a> {
     fn volume_group(&self, views: &[TextureView; 2]) -> BindGroup {
         self.bindings.volume_group(&self.march.groups[1], views)
     }
+}
+
+/// Both together, where both are known.
+fn sum(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    a.zip(b).map(|(a, b)| a + b)
 }

@@ -14,7 +14,7 @@ const NOWHERE: f32 = 1e30;
 pub struct Targets {
     /// Pixels per row.
     pub width: u32,
-    rows: u32,
+    room: u64,
     /// A ray's state per pixel.
     pub states: Buffer,
     /// Pixels.
@@ -26,9 +26,8 @@ impl Targets {
     /// Bytes per pixel of a band.
     pub const PIXEL_BYTES: u64 = STATE_BYTES + 2 * size_of::<Pixel>() as u64;
 
-    /// Room for a number of rows.
-    pub fn new(device: &Device, width: u32, rows: u32) -> Self {
-        let count = u64::from(width) * u64::from(rows);
+    /// Room for a number of pixels.
+    pub fn new(device: &Device, count: u64) -> Self {
         let buffer = |label, bytes: u64, usage| {
             let descriptor =
                 BufferDescriptor { label: Some(label), size: count * bytes, usage, mapped_at_creation: false };
@@ -36,17 +35,17 @@ impl Targets {
         };
         let pixel = size_of::<Pixel>() as u64;
         Self {
-            width,
-            rows,
+            width: 0,
+            room: count,
             states: buffer("states", STATE_BYTES, BufferUsages::STORAGE),
             pixels: buffer("pixels", pixel, BufferUsages::STORAGE | BufferUsages::COPY_SRC),
             copied: buffer("copied", pixel, BufferUsages::MAP_READ | BufferUsages::COPY_DST),
         }
     }
 
-    /// Whether so many rows of this width fit.
-    pub fn fits(&self, width: u32, rows: u32) -> bool {
-        width == self.width && rows <= self.rows
+    /// Whether so many pixels fit.
+    pub fn fits(&self, count: u64) -> bool {
+        count <= self.room
     }
 
     fn bytes(&self, rows: u32) -> u64 {
@@ -60,18 +59,25 @@ impl Targets {
         encoder.map_buffer_on_submit(&self.copied, MapMode::Read, ..self.bytes(rows), |_| ());
     }
 
-    /// Waits for a band and puts it into the picture.
+    /// Waits for a band and puts it into the picture, from a column and a row on.
     ///
     /// # Errors
     /// What the device reports.
-    pub fn read(&self, device: &Device, row: u32, rows: u32, picture: &mut Picture) -> Result<(), GpuError> {
+    pub fn read(
+        &self,
+        device: &Device,
+        [column, row]: [u32; 2],
+        rows: u32,
+        picture: &mut Picture,
+    ) -> Result<(), GpuError> {
         device.wait()?;
         let slice = self.copied.slice(..self.bytes(rows));
         let mapped = slice.get_mapped_range().map_err(|error| GpuError::Lost { reason: error.to_string() })?;
         let pixels: &[Pixel] = cast_slice(&mapped);
-        let start = row as usize * picture.width;
+        let start = |line: usize| (row as usize + line) * picture.width + column as usize;
+        let lines = pixels.chunks_exact(self.width as usize).enumerate();
         let statistics = &mut picture.statistics;
-        for (place, pixel) in (start..).zip(pixels) {
+        for (place, pixel) in lines.flat_map(|(line, pixels)| (start(line)..).zip(pixels)) {
             picture.color[place] = pixel.color;
             let [x, y, z, depth] = pixel.surface;
             if depth < NOWHERE {

@@ -7,7 +7,8 @@ use wgpu::{
 
 use crate::Device;
 
-/// Two marks of the device's clock: before the first and after the last pass of a submission.
+/// Pairs of marks of the device's clock: before the first and after the last pass of something. A mark is
+/// set when all commands before it are done: uploads do not count.
 pub struct Timer {
     marks: QuerySet,
     resolved: Buffer,
@@ -16,7 +17,10 @@ pub struct Timer {
 }
 
 impl Timer {
-    /// Bytes of the two marks.
+    /// Pairs of marks that there are.
+    pub const PAIRS: usize = 256;
+
+    /// Bytes of a pair.
     const BYTES: u64 = 16;
 
     /// A timer, if the device has a clock.
@@ -25,11 +29,12 @@ impl Timer {
             return None;
         }
         let buffer = |usage| {
-            let descriptor =
-                BufferDescriptor { label: Some("timer"), size: Self::BYTES, usage, mapped_at_creation: false };
+            let size = Self::PAIRS as u64 * Self::BYTES;
+            let descriptor = BufferDescriptor { label: Some("timer"), size, usage, mapped_at_creation: false };
             device.device.create_buffer(&descriptor)
         };
-        let marks = QuerySetDescriptor { label: Some("timer"), ty: QueryType::Timestamp, count: 2 };
+        let count = 2 * Self::PAIRS as u32;
+        let marks = QuerySetDescriptor { label: Some("timer"), ty: QueryType::Timestamp, count };
         Some(Self {
             marks: device.device.create_query_set(&marks),
             resolved: buffer(BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC),
@@ -38,35 +43,38 @@ impl Timer {
         })
     }
 
-    /// What a pass writes: its beginning if it is the first, its end if it is the last.
-    pub fn writes(&self, first: bool, last: bool) -> Option<ComputePassTimestampWrites<'_>> {
+    /// What a pass writes of a pair: its beginning if it is the first, its end if it is the last.
+    pub fn writes(&self, pair: usize, first: bool, last: bool) -> Option<ComputePassTimestampWrites<'_>> {
+        let mark = 2 * pair as u32;
         (first || last).then_some(ComputePassTimestampWrites {
             query_set: &self.marks,
-            beginning_of_pass_write_index: first.then_some(0),
-            end_of_pass_write_index: last.then_some(1),
+            beginning_of_pass_write_index: first.then_some(mark),
+            end_of_pass_write_index: last.then_some(mark + 1),
         })
     }
 
     /// The same of a pass that draws.
-    pub fn render_writes(&self, first: bool, last: bool) -> Option<RenderPassTimestampWrites<'_>> {
+    pub fn render_writes(&self, pair: usize, first: bool, last: bool) -> Option<RenderPassTimestampWrites<'_>> {
         let ComputePassTimestampWrites { query_set, beginning_of_pass_write_index, end_of_pass_write_index } =
-            self.writes(first, last)?;
+            self.writes(pair, first, last)?;
         Some(RenderPassTimestampWrites { query_set, beginning_of_pass_write_index, end_of_pass_write_index })
     }
 
-    /// Makes the marks readable once the commands are done.
-    pub fn copy(&self, encoder: &mut CommandEncoder) {
-        encoder.resolve_query_set(&self.marks, 0..2, &self.resolved, 0);
-        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.copied, 0, Self::BYTES);
-        encoder.map_buffer_on_submit(&self.copied, MapMode::Read, .., |_| ());
+    /// Makes the first `pairs` readable once the commands are done.
+    pub fn copy(&self, encoder: &mut CommandEncoder, pairs: usize) {
+        let bytes = pairs as u64 * Self::BYTES;
+        encoder.resolve_query_set(&self.marks, 0..2 * pairs as u32, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.copied, 0, bytes);
+        encoder.map_buffer_on_submit(&self.copied, MapMode::Read, ..bytes, |_| ());
     }
 
-    /// Seconds between the marks of commands that are done.
-    pub fn seconds(&self) -> Option<f64> {
-        let mapped = self.copied.slice(..).get_mapped_range().ok()?;
-        let [from, to]: [u64; 2] = *bytemuck::from_bytes(&mapped);
+    /// Seconds between the marks of the first `pairs`, all together, whose commands are done.
+    pub fn seconds(&self, pairs: usize) -> Option<f64> {
+        let mapped = self.copied.slice(..pairs as u64 * Self::BYTES).get_mapped_range().ok()?;
+        let took = |&[from, to]: &[u64; 2]| to.saturating_sub(from);
+        let ticks: u64 = bytemuck::cast_slice(&mapped).iter().map(took).sum();
         drop(mapped);
         self.copied.unmap();
-        Some(to.saturating_sub(from) as f64 * self.seconds_per_tick)
+        Some(ticks as f64 * self.seconds_per_tick)
     }
 }

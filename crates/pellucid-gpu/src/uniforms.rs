@@ -6,6 +6,8 @@ use pellucid_field::Grid;
 use pellucid_optics::{LightShape, Nodes, ResolvedLight};
 use pellucid_scene::{Jitter, Mode, Region, Slice, Stage, StageVolume, blue_noise_shift};
 
+use crate::window::Window;
+
 type Four = [f32; 4];
 
 /// What a frame is drawn with.
@@ -122,7 +124,7 @@ impl Frame {
         }
         frame.limits[2] = stage.quality.early_termination;
         frame.limits[3] = (stage.step / volume.unit_distance()) as f32;
-        frame.size = [view.width as u32, view.height as u32, stage.quality.supersampling, u32::from(view.perspective)];
+        frame.size = [view.width as u32, 0, stage.quality.supersampling, u32::from(view.perspective)];
         frame.counts[0] = stage.lights.len() as u32;
         frame.counts[1] = region.half_spaces().len() as u32;
         match stage.mode() {
@@ -178,6 +180,11 @@ impl Frame {
         let across = (grid.world_from_index().matrix3.transpose() * normal).normalize();
         self.plane = four(across, across.dot(grid.index_from_world().transform_point3(point)));
         self.plane_normal = four(normal, 0.0);
+    }
+
+    /// Which part of the picture is drawn.
+    pub fn set_window(&mut self, window: &Window) {
+        (self.size[0], self.size[1]) = (window.size[0], window.low[0]);
     }
 
     /// How stored numbers become data values: `stored * scale + offset`.

@@ -123,6 +123,43 @@ fn sweeps_vary_one_setting() {
 }
 
 #[test]
+fn a_speed_comes_with_its_error() {
+    let folder = tempdir().unwrap();
+    let path = folder.path();
+    let scene = |more: &[&str]| {
+        let told = told(path, "2", &[&["--backend", "cpu", "--step", "1"], more].concat());
+        told["scenes"][0].clone()
+    };
+    let plain = scene(&["--picture", "timed.png"]);
+    assert_eq!(plain["error"], Value::Null);
+    // Eight voxels of one byte for every sample.
+    let [gigabytes, rate, ms] =
+        [&plain["voxel_gigabytes"], &plain["voxel_gigabytes_per_second"], &plain["orbit"]["timing"]["render_ms"]]
+            .map(number);
+    assert!((gigabytes * 1e9 / 8.0 - number(&plain["orbit"]["timing"]["samples"])).abs() < 1e-3, "{plain}");
+    assert!((rate * ms / 1e3 / gigabytes - 1.0).abs() < 1e-9, "{plain}");
+
+    // Against itself there is none; early termination is all that the same step leaves.
+    let itself = scene(&["--against", "timed.png"]);
+    assert_eq!((&itself["error"]["largest_difference"], &itself["error"]["psnr_db"]), (&json!(0), &Value::Null));
+    let errors = ["--reference=1", "--reference"].map(|flag| scene(&[flag])["error"].clone());
+    let [same, finer] = errors.each_ref().map(|error| number(&error["mean_difference"]));
+    assert!(same < 0.2 && finer > same && finer < 10.0, "{errors:?}");
+    assert!(number(&errors[1]["psnr_db"]) > 30.0 && number(&errors[1]["largest_difference"]) >= 1.0, "{errors:?}");
+    // It is the error of a coarse step: a fine one has less.
+    let fine = told(path, "1", &["--backend", "cpu", "--step", "0.25", "--reference"])["scenes"][0]["error"].clone();
+    assert!(number(&fine["mean_difference"]) < finer / 2.0, "{fine} {errors:?}");
+
+    let small = ["bench", "sample:ball@8x8x8", "--size", "8x8", "--frames", "1", "--reference"];
+    let people = succeed_in(path, &small);
+    assert!(people.contains("picture error: PSNR") && people.contains("8 times finer"), "{people}");
+    for (args, part) in [(&["--against", "timed.png", "--size", "9x9"][..], "24x16"), (&["--reference=99"], "1..=64")] {
+        let message = fail_in(path, &[&["bench", "sample:ball@8x8x8", "--frames", "1", "--quiet"], args].concat(), 2);
+        assert!(message.contains(part), "{args:?}: {message}");
+    }
+}
+
+#[test]
 fn people_get_tables_and_remarks() {
     let folder = tempdir().unwrap();
     let path = folder.path();

@@ -53,12 +53,26 @@ fn absent_voxels_in_every_mode() {
     let volume = with_holes("marschner-lobb", [22, 21, 23]);
     let mut gpu = gpu(&Ceiling::default());
     for (name, mode) in MODES {
-        let stage = stage(&volume, mode, SIZE);
-        let (found, expected) = (draw(&mut gpu, &stage), cpu(&stage));
-        // The field ends at a hole: a sample within a rounding of its border is there or is not.
-        let apart = |(a, b): &(&[f32; 4], &[f32; 4])| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > 2.0 * LEVEL);
-        let differ = found.color.iter().zip(&expected.color).filter(apart).count();
-        assert!(differ * 100 <= found.color.len(), "{name}: {differ} pixels differ");
+        let mut stage = stage(&volume, mode, SIZE);
+        let found = draw(&mut gpu, &stage);
+        // The field jumps at a hole's border: a sample within a rounding of it is there or is not. What the
+        // processor draws from a hundred-thousandth of a voxel beside the eye has such samples on the other side.
+        let beside = 1e-5 * volume.grid().mean_spacing();
+        let eye = stage.viewpoint.eye;
+        let mut differ: Vec<usize> = (0..found.color.len()).collect();
+        for number in 0..9 {
+            // Its own place, and beside it towards the corners of a cube.
+            for axis in (0..3).filter(|_| number > 0) {
+                stage.viewpoint.eye[axis] = eye[axis] + if (number - 1) >> axis & 1 == 0 { beside } else { -beside };
+            }
+            let expected = cpu(&stage);
+            let apart = |a: &[f32; 4], b: &[f32; 4]| a.iter().zip(b).any(|(a, b)| (a - b).abs() > 2.0 * LEVEL);
+            differ.retain(|&pixel| apart(&found.color[pixel], &expected.color[pixel]));
+            if number == 0 && !differ.is_empty() {
+                println!("{name}: {} pixels of {} depend on roundings", differ.len(), found.color.len());
+            }
+        }
+        assert!(differ.is_empty(), "{name}: {} pixels differ, {:?}", differ.len(), &differ[..differ.len().min(5)]);
     }
     let grid = Grid::new([5; 3]).unwrap();
     for value in [f32::NAN, f32::INFINITY] {

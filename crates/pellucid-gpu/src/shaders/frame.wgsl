@@ -37,7 +37,7 @@ struct Frame {
     // A slice: normal in voxels and offset; its world normal.
     plane: vec4<f32>,
     plane_normal: vec4<f32>,
-    // Width, height, rays per pixel and axis, 1 for a perspective.
+    // Columns that are drawn, the first of them, rays per pixel and axis, 1 for a perspective.
     size: vec4<u32>,
     // Voxels of the whole grid; nodes of the table.
     dims: vec4<u32>,

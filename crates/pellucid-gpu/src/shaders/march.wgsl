@@ -81,7 +81,7 @@ fn turn_of(id: vec2<u32>) -> Turn {
             return turn;
         }
     }
-    turn.ray = ray_of(vec2<u32>(pixel.x, pixel.y + bounds.rows.x), bounds.rows.z);
+    turn.ray = ray_of(pixel + vec2<u32>(frame.size.y, bounds.rows.x), bounds.rows.z);
     turn.open = true;
     if turn.ray.count > 0.0 {
         turn.state.counts.w |= HIT;

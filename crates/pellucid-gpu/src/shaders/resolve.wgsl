@@ -33,7 +33,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     pixel.color += state.color / f32(n * n);
     if state.surface.w < NOWHERE {
-        let ray = ray_of(vec2<u32>(id.x, id.y + bounds.rows.x), sub);
+        let ray = ray_of(id.xy + vec2<u32>(frame.size.y, bounds.rows.x), sub);
         let depth = (ray.entry + state.surface.w) * frame.picture.w;
         if depth < pixel.surface.w {
             pixel.surface = vec4<f32>(state.surface.xyz, depth);

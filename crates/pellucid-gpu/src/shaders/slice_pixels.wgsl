@@ -52,7 +52,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let slot = id.y * frame.size.x + id.x;
-    let ray = ray_of(vec2<u32>(id.x, id.y + bounds.rows.x), bounds.rows.z);
+    let ray = ray_of(id.xy + vec2<u32>(frame.size.y, bounds.rows.x), bounds.rows.z);
     let color = color_of(textureLoad(colors, id.xy, 0));
     let counts = vec2<u32>(textureLoad(taken, id.xy, 0).xy + 0.5);
     var pixel = Pixel(vec4<f32>(0.0), vec4<f32>(0.0, 0.0, 0.0, NOWHERE), vec4<u32>(0u));

@@ -1,6 +1,6 @@
 // A fragment of a slice, for modes that look at one value at a time: the samples of its ray there, as the ray
 // caster would take them (3.3-1).
-#import pellucid::frame::bounds
+#import pellucid::frame::{frame, bounds}
 #import pellucid::ray::{ray_at, ray_of}
 #import pellucid::march::new_state
 #import pellucid::mode::visit
@@ -17,7 +17,7 @@ fn fragment(
     @location(0) @interpolate(flat) box: u32,
     @location(1) @interpolate(flat) slice: u32,
 ) -> Blended {
-    let ray = ray_of(vec2<u32>(position.xy) + vec2<u32>(0u, bounds.rows.x), bounds.rows.z);
+    let ray = ray_of(vec2<u32>(position.xy) + vec2<u32>(frame.size.y, bounds.rows.x), bounds.rows.z);
     var state = new_state();
     if ray.count > 0.0 {
         let lattice = lattice_of(ray);

@@ -1,6 +1,6 @@
 // A fragment of a slab between two slices, for modes that look at pairs of values: two fetches, as a slice
 // knows nothing of the one before (4.6-5), or k + 1 of them for k segments (4.6-6).
-#import pellucid::frame::bounds
+#import pellucid::frame::{frame, bounds}
 #import pellucid::ray::{Ray, Segment, ray_at, ray_length, ray_of}
 #import pellucid::field::field_value
 #import pellucid::march::{State, new_state}
@@ -24,7 +24,7 @@ fn fragment(
     @location(0) @interpolate(flat) box: u32,
     @location(1) @interpolate(flat) slice: u32,
 ) -> Blended {
-    let ray = ray_of(vec2<u32>(position.xy) + vec2<u32>(0u, bounds.rows.x), bounds.rows.z);
+    let ray = ray_of(vec2<u32>(position.xy) + vec2<u32>(frame.size.y, bounds.rows.x), bounds.rows.z);
     var state = new_state();
     if ray.count > 0.0 {
         let lattice = lattice_of(ray);

@@ -27,8 +27,11 @@ fn add_sample(state: ptr<function, State>, ray: Ray, distance: f32, sample: vec4
 // every sample.
 fn add_normal(state: ptr<function, State>, ray: Ray) {
     let p = ray_at(ray, (*state).surface.w);
-    if is_present(field_value(p)) {
-        let normal = normal_of(field_gradient(p)).direction;
-        (*state).surface = vec4<f32>(normal, (*state).surface.w);
+#ifdef HOLES
+    if !is_present(field_value(p)) {
+        return;
     }
+#endif
+    let normal = normal_of(field_gradient(p)).direction;
+    (*state).surface = vec4<f32>(normal, (*state).surface.w);
 }

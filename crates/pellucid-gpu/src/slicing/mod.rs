@@ -38,6 +38,7 @@ use crate::texture::Layout;
 use crate::timer::Timer;
 use crate::uniforms;
 use crate::uploads::Uploads;
+use crate::window::Window;
 use crate::{Device, GpuError};
 
 use blending::{Blending, cleared};
@@ -164,21 +165,23 @@ impl<'a> Slicer<'a> {
     /// # Errors
     /// [`GpuError::Cancelled`], or what the device reports.
     pub fn draw(&mut self, reused: &mut Reused, control: &Control, picture: &mut Picture) -> Result<(), GpuError> {
-        let (width, height) = (picture.width as u32, picture.height as u32);
+        let Window { low: [column, first], size: [width, height] } = self.bindings.window;
         let rays = self.stage.quality.supersampling.pow(2);
-        let mut busy = reused.timer.as_ref().filter(|_| self.resident.is_complete()).map(|_| 0.0);
-        let mut row = 0;
-        while row < height {
-            let rows = self.resident.plan.rows.min(height - row);
+        let timer = reused.timer.as_ref().filter(|_| self.resident.is_complete());
+        let mut busy = timer.map(|_| 0.0);
+        let (mut row, end) = (first, if width == 0 { first } else { first + height });
+        while row < end {
+            let rows = self.resident.plan.rows.min(end - row);
             let size = [width, rows];
             // The old ones go first.
-            reused.targets.take_if(|targets| !targets.fits(width, rows));
+            let room = picture.width as u64 * u64::from(rows);
+            reused.targets.take_if(|targets| !targets.fits(room));
             reused.canvas.take_if(|canvas| !canvas.fits(size, &self.blending));
-            let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, width, rows));
+            let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, room));
+            targets.width = width;
             let canvas = reused.canvas.get_or_insert_with(|| Canvas::new(self.device, size, &self.blending));
             for sub in 0..rays {
                 let layer = self.layer(canvas, [row, rows, sub]);
-                let timer = reused.timer.as_ref();
                 let seconds = self.draw_layer(canvas, &layer, timer, &mut reused.slices, control)?;
                 busy = busy.zip(seconds).map(|(busy, seconds)| busy + seconds);
                 let mut encoder = self.encoder();
@@ -188,9 +191,9 @@ impl<'a> Slicer<'a> {
                 }
                 self.device.queue.submit([encoder.finish()]);
             }
-            targets.read(self.device, row, rows, picture)?;
+            targets.read(self.device, [column, row], rows, picture)?;
             row += rows;
-            control.report(f64::from(row) / f64::from(height));
+            control.report(f64::from(row - first) / f64::from(height));
         }
         picture.statistics.device_seconds = busy;
         picture.warnings.append(&mut self.warnings);
@@ -206,7 +209,13 @@ impl<'a> Slicer<'a> {
         };
         let passes = PassBuffer::new(self.device, geometry.shares.iter().map(pass));
         let what = (self.slicing, bindings.variant.pass, geometry.slices);
-        let numbers = view::numbers(self.stage, self.volume.volume.grid(), &self.lattice, what, [row, rows, sub]);
+        let numbers = view::numbers(
+            self.stage,
+            self.volume.volume.grid(),
+            &self.lattice,
+            what,
+            (&bindings.window, [row, rows, sub]),
+        );
         let numbers = self.device.constant_buffer("slices", bytes_of(&numbers));
         // At first all boxes may be seen.
         let seen = vec![1u32; geometry.box_count.max(1) as usize];
@@ -242,7 +251,6 @@ impl<'a> Slicer<'a> {
         pace: &mut Pace,
         control: &Control,
     ) -> Result<Option<f64>, GpuError> {
-        let timer = timer.filter(|_| self.resident.is_complete());
         let table = self.bindings.table_group(&self.slices.groups[2]);
         let between = self.between_looks();
         let mut until_look = between;
@@ -273,7 +281,7 @@ impl<'a> Slicer<'a> {
                         (until_look, marked) = (between, true);
                     }
                     let some = until_look.min(end - next);
-                    let marks = timer.and_then(|timer| timer.render_writes(!marked, next + some == end));
+                    let marks = timer.and_then(|timer| timer.render_writes(0, !marked, next + some == end));
                     marked = true;
                     let mut pass = self.begin(&mut encoder, canvas, is_first, marks);
                     is_first = false;
@@ -291,13 +299,13 @@ impl<'a> Slicer<'a> {
                     }
                 }
                 if let Some(timer) = timer {
-                    timer.copy(&mut encoder);
+                    timer.copy(&mut encoder, 1);
                 }
                 let submission = self.device.queue.submit([encoder.finish()]);
                 if self.resident.is_complete() {
                     self.device.wait()?;
                     pace.learn(started.elapsed());
-                    busy = busy.zip(timer.and_then(Timer::seconds)).map(|(busy, seconds)| busy + seconds);
+                    busy = busy.zip(timer.and_then(|timer| timer.seconds(1))).map(|(busy, seconds)| busy + seconds);
                 } else {
                     self.resident.used(submission);
                     self.device.check()?;
@@ -323,7 +331,7 @@ impl<'a> Slicer<'a> {
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("done"),
             depth_stencil_attachment: Some(depth(canvas, LoadOp::Load)),
-            timestamp_writes: timer.and_then(|timer| timer.render_writes(true, false)),
+            timestamp_writes: timer.and_then(|timer| timer.render_writes(0, true, false)),
             ..Default::default()
         });
         pass.set_pipeline(&self.done.pipeline);
@@ -331,7 +339,7 @@ impl<'a> Slicer<'a> {
         pass.draw(0..3, 0..1);
         drop(pass);
         if self.slicing.occlusion_culling && self.geometry.box_count > 1 {
-            let tiles = [self.stage.viewpoint.width as u32, layer.rows].map(|n| n.div_ceil(targets::TILE));
+            let tiles = [self.bindings.window.size[0], layer.rows].map(|n| n.div_ceil(targets::TILE));
             dispatch(encoder, &self.tiles.pipeline, &[&layer.tiles], offset, tiles, None);
             // Workgroups of 64 in a row.
             let boxes = [self.geometry.box_count.div_ceil(8), 1];

@@ -8,6 +8,7 @@ use super::blending::unassociated;
 use super::lattice::Lattice;
 use crate::shaders::Pass;
 use crate::uniforms::{Slices, four};
+use crate::window::Window;
 
 /// Voxels by which boxes are drawn larger, so that every pixel of a sample in them has a fragment: by what samples lie
 /// beside their slice, and by the rounding of corners to parts of a pixel.
@@ -23,14 +24,14 @@ pub fn margin(stage: &Stage, grid: &Grid, lattice: &Lattice) -> DVec3 {
     lattice.reach + lengths * (PART_OF_PIXEL * pixel) + ROUNDING
 }
 
-/// What shaders are told to draw rows of the picture with, for one ray of their pixels: `[row, rows, sub]`. There are
-/// so many slices in all.
+/// What shaders are told to draw rows of a window with, for one ray of their pixels: `[row, rows, sub]`. There are so
+/// many slices in all.
 pub fn numbers(
     stage: &Stage,
     grid: &Grid,
     lattice: &Lattice,
     (slicing, pass, slices): (&Slicing, Pass, u32),
-    [row, rows, sub]: [u32; 3],
+    (window, [row, rows, sub]): (&Window, [u32; 3]),
 ) -> Slices {
     let view = &stage.viewpoint;
     let world = grid.world_from_index();
@@ -42,9 +43,9 @@ pub fn numbers(
     let n = stage.quality.supersampling;
     let inside = |cell: u32| (f64::from(cell) + 0.5) / f64::from(n) - 0.5;
     // Fragments are in the middle of pixels, wherever the ray goes through them.
-    let left = view.width as f64 / 2.0 - view.shift.x - inside(sub % n);
+    let left = view.width as f64 / 2.0 - view.shift.x - inside(sub % n) - f64::from(window.low[0]);
     let top = view.height as f64 / 2.0 - view.shift.y - inside(sub / n) - f64::from(row);
-    let x = (along(view.right) / pixel + w * left) * (2.0 / view.width as f64) - w;
+    let x = (along(view.right) / pixel + w * left) * (2.0 / f64::from(window.size[0])) - w;
     let y = w - (w * top - along(view.up) / pixel) * (2.0 / f64::from(rows));
     let (normal, offset) = lattice.plane();
     Slices {

@@ -10,6 +10,7 @@ use pellucid::scene::{Frame, ImageSettings, Scene};
 use serde_json::{Value, json};
 
 use super::bench::{Meter, Plan, still};
+use super::difference::Difference;
 use super::engine::{BACKENDS, Engine};
 use super::failure::Failure;
 use super::flags::technique::{Kind, TECHNIQUES};
@@ -190,27 +191,6 @@ fn draw(
     })
 }
 
-/// How far the colours of two pictures are apart, in 8-bit steps.
-struct Difference {
-    psnr: f64,
-    largest: u8,
-    mean: f64,
-}
-
-impl Difference {
-    fn between(a: &[u8], b: &[u8]) -> Self {
-        let colors = |rgba: &[u8]| rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect::<Vec<u8>>();
-        let differences: Vec<u8> = colors(a).iter().zip(colors(b)).map(|(a, b)| a.abs_diff(b)).collect();
-        let count = differences.len().max(1) as f64;
-        let squares: f64 = differences.iter().map(|d| f64::from(*d).powi(2)).sum();
-        Self {
-            psnr: 10.0 * (255.0 * 255.0 * count / squares).log10(),
-            largest: differences.iter().copied().max().unwrap_or(0),
-            mean: differences.iter().map(|d| f64::from(*d)).sum::<f64>() / count,
-        }
-    }
-}
-
 /// The pictures above their differences from the first.
 fn sheet(path: &std::path::Path, drawn: &[Drawn], image: &ImageSettings, gain: f32) -> Result<(), Failure> {
     let (width, height) = (image.width as usize, image.height as usize);
@@ -257,8 +237,7 @@ fn json(drawn: &[Drawn]) -> Value {
             "renderer": drawn.renderer,
             "median_ms": drawn.median_ms,
             "samples": drawn.samples,
-            // JSON has no infinity: equal pictures have none.
-            "psnr_db": drawn.error.psnr.is_finite().then_some(drawn.error.psnr),
+            "psnr_db": drawn.error.psnr_json(),
             "largest_difference": drawn.error.largest,
             "mean_difference": drawn.error.mean,
         })

@@ -5,6 +5,7 @@ mod bench;
 mod compare;
 mod completions;
 mod convert;
+mod difference;
 mod engine;
 mod failure;
 mod flags;

@@ -2,6 +2,7 @@
 
 mod machine;
 mod meter;
+mod reference;
 mod results;
 mod subject;
 mod sweep;
@@ -22,6 +23,7 @@ use super::report::{Report, print, print_json};
 use super::{interrupt, output, values};
 use machine::Machine;
 pub use meter::{Meter, Plan};
+use reference::Reference;
 use results::Results;
 use subject::Subject;
 pub use subject::still;
@@ -31,13 +33,15 @@ use sweep::{SWEEPS, Sweep};
 pub const EXAMPLES: &str = "\
 A timed frame is a camera change, the drawing, and the picture as 8-bit RGBA in memory. A scene is
 loaded once and one renderer draws all its frames. Counts are means per frame. Sweeps keep the
-camera still; each setting has its own --warmup and --frames.
+camera still; each setting has its own --warmup and --frames. The voxels of a sample are the eight
+around it; their rate is that of drawing alone, by the adapter's own clock if it has one.
 
 Examples:
   pellucid bench scene.toml other.toml --size 512x512
   pellucid bench sample:head --orbit 0 --frames 30 --threads 1
   pellucid bench ct.nrrd --preset ct-bone --sweep step --sweep threads --json figures.json
-  pellucid bench sample:ball --sweep volume --largest 1024";
+  pellucid bench sample:ball --sweep volume --largest 1024
+  pellucid bench scene.toml --adapter software --warmup 20 --frames 100 --reference --json figures.json";
 
 #[derive(clap::Args)]
 pub struct BenchArgs {
@@ -84,6 +88,14 @@ struct MeasureFlags {
     /// Save the first picture timed to this .png, of one input
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
+    /// Also tell the error of the first picture timed, against the processor's with steps so many times
+    /// finer and every ray followed to its end [default: 8]
+    #[arg(long, value_name = "FINER", num_args = 0..=1, require_equals = true, default_missing_value = "8",
+        value_parser = clap::value_parser!(u8).range(1..=64), conflicts_with = "against")]
+    reference: Option<u8>,
+    /// Also tell the error of the first picture timed, of one input, against this .png
+    #[arg(long, value_name = "FILE.png")]
+    against: Option<PathBuf>,
     /// Say nothing on standard error but errors
     #[arg(short, long)]
     quiet: bool,
@@ -122,17 +134,18 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
 fn measure_one(args: &BenchArgs, input: &Input, plan: Plan, report: Report) -> Result<Results, Failure> {
     let measure = &args.measure;
     let check = |scene: &_| measure.sweep.iter().try_for_each(|sweep| sweep.check(scene));
-    let (subject, mut meter) = Subject::open(input, &args.raw, &args.scene, plan, report, check)?;
+    let (subject, mut meter) = Subject::open(input, &args.raw, &args.scene, plan.clone(), report, check)?;
     let (orbit, first) = subject.orbit(&mut meter, measure.orbit)?;
     if let Some(path) = &measure.picture {
         interrupt::gracefully(|| save(path, &first, &subject))?;
     }
+    let error = measure.reference().map(|reference| reference.compare(&subject, &first, plan)).transpose()?;
     let mut sweeps = Vec::new();
     for sweep in &measure.sweep {
         sweeps.push((*sweep, sweep.run(&subject, &mut meter, measure.largest as usize)?));
     }
     let (renderer, capabilities) = (meter.describe(), meter.capabilities());
-    Ok(Results { subject, renderer, capabilities, degrees: measure.orbit, orbit, sweeps })
+    Ok(Results { subject, renderer, capabilities, degrees: measure.orbit, orbit, error, sweeps })
 }
 
 fn save(path: &Path, frame: &Frame, subject: &Subject) -> Result<(), Failure> {
@@ -151,7 +164,16 @@ impl MeasureFlags {
             }
             output::writable(path)?;
         }
+        if self.against.is_some() && inputs != 1 {
+            return Err(Failure::input(format_args!("--against is about one input, {inputs} are given")));
+        }
         self.json_file().map_or(Ok(()), output::writable)
+    }
+
+    /// What the first picture is compared with.
+    fn reference(&self) -> Option<Reference> {
+        let given = || self.against.clone().map(Reference::Given);
+        self.reference.map(Reference::Drawn).or_else(given)
     }
 
     fn prints_tables(&self) -> bool {

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::reference::Error;
 use super::subject::Subject;
 use super::sweep::{Row, Sweep};
 use super::timing::{HEADINGS, Timing};
@@ -19,6 +20,8 @@ pub struct Results {
     pub degrees: f64,
     /// The frames of the walk.
     pub orbit: Timing,
+    /// The error of its first picture, if it was asked for.
+    pub error: Option<Error>,
     /// The sweeps, in the order asked for.
     pub sweeps: Vec<(Sweep, Vec<Row>)>,
 }
@@ -36,9 +39,11 @@ impl Results {
         text += &format!("drawn on: {}\n", self.renderer);
         text += &table("orbit", &[("".into(), &self.orbit)]);
         if let Some(ms) = self.orbit.device_ms() {
-            let rate = self.voxel_gigabytes() / ms * 1e3;
-            text += &format!("by the adapter's own clock: {ms:.2} ms, {rate:.1} GB/s of voxels\n");
+            text += &format!("by the adapter's own clock: {ms:.2} ms\n");
         }
+        let (gigabytes, rate) = (self.voxel_gigabytes(), self.voxel_rate());
+        text += &format!("voxels under samples: {gigabytes:.3} GB, {rate:.2} GB/s\n");
+        text += &self.error.as_ref().map(Error::text).unwrap_or_default();
         for (sweep, rows) in &self.sweeps {
             let lines: Vec<(String, &Timing)> = rows.iter().map(|row| (row.label.clone(), &row.timing)).collect();
             text += &format!("\n{}", table(sweep.name(), &lines));
@@ -51,6 +56,11 @@ impl Results {
     fn voxel_gigabytes(&self) -> f64 {
         let bytes = self.subject.volumes.first().map_or(0, |volume| volume.voxels().voxel_type().size());
         self.orbit.samples() * 8.0 * bytes as f64 / 1e9
+    }
+
+    /// The same in a second of drawing.
+    fn voxel_rate(&self) -> f64 {
+        self.voxel_gigabytes() / self.orbit.drawing_ms() * 1e3
     }
 
     /// Everything for programs.
@@ -70,6 +80,8 @@ impl Results {
             "renderer": self.renderer,
             "capabilities": self.capabilities,
             "voxel_gigabytes": self.voxel_gigabytes(),
+            "voxel_gigabytes_per_second": self.voxel_rate(),
+            "error": self.error.as_ref().map(Error::json),
             "volumes": volumes.collect::<Vec<_>>(),
             "width": stage.viewpoint.width,
             "height": stage.viewpoint.height,

@@ -66,6 +66,11 @@ impl Timing {
         all.map(median)
     }
 
+    /// Median time of drawing alone in milliseconds, by the device's own clock where there is one.
+    pub fn drawing_ms(&self) -> f64 {
+        self.device_ms().unwrap_or_else(|| self.part_ms(|lap| lap.statistics.render_seconds))
+    }
+
     /// Mean samples of a frame.
     pub fn samples(&self) -> f64 {
         self.mean(|counts| counts.samples)
