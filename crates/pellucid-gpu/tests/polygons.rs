@@ -199,14 +199,14 @@ fn polygons_of_the_vertex_stage_are_those_of_the_planes() {
                 assert!(p[axis] > low[axis] - 1e-4 && p[axis] < high[axis] + 1e-4, "{case:?}: {p:?} is outside");
             }
         }
-        // One winding: the area's vector is along the normal, wherever the nearest corner is.
+        // One winding: the area's vector is against the normal, wherever the nearest corner is.
         let vector = area(&corners);
-        let turned = dot(vector, normal) / length;
+        let turned = -dot(vector, normal) / length;
         assert!((turned.abs() - expected).abs() < 1e-3 * size * size, "{case:?}: {turned} for {expected}");
         assert!(turned.abs() < 1e-4 * size * size || turned > 0.0, "{case:?} winds the other way");
         for k in 0..6 {
             let [a, b, c] = [k, (k + 1) % 6, (k + 2) % 6].map(|k| corners[k]);
-            let turn = dot(cross(minus(b, a), minus(c, b)), normal) / length;
+            let turn = -dot(cross(minus(b, a), minus(c, b)), normal) / length;
             assert!(turn > -1e-3 * size * size, "{case:?} is not convex at corner {k}");
         }
     }
