@@ -156,6 +156,31 @@ fn help_is_short_or_long_and_tells_the_exit_codes() {
 }
 
 #[test]
+fn techniques_are_compared_side_by_side() {
+    let folder = tempdir().unwrap();
+    let input = "sample:marschner-lobb";
+    let techniques = "ray-cast@cpu,view-aligned@gpu,shells@gpu";
+    let size = ["--size", "40x30", "--dims", "24x24x24", "--adapter", "software", "--frames", "1"];
+    let args = [&["compare", input, "--techniques", techniques, "--json", "-q", "-o", "both.png"], &size[..]].concat();
+    let told: Value = serde_json::from_str(&succeed_in(folder.path(), &args)).unwrap();
+    let names = ["ray-cast@cpu", "view-aligned@gpu", "shells@gpu"];
+    for (name, row) in names.iter().zip(told.as_array().unwrap()) {
+        assert_eq!(row["technique"], *name);
+        // Other samples of the same field; the reference itself has no distance.
+        let psnr = row["psnr_db"].as_f64().unwrap_or(f64::INFINITY);
+        assert!(psnr > 25.0 && psnr.is_infinite() == (*name == names[0]), "{row}");
+    }
+    let sheet = common::picture(&folder.path().join("both.png"));
+    assert_eq!((sheet.width, sheet.height), (3 * 40, 2 * 30));
+    // What the processor does not draw it says.
+    let said =
+        fail_in(folder.path(), &["render", input, "--technique", "shells", "--backend", "cpu", "-o", "a.png"], 1);
+    assert!(said.contains("slicing") && said.contains("--backend gpu"), "{said}");
+    let said = fail_in(folder.path(), &["compare", input, "--techniques", "rays"], 2);
+    assert!(said.contains("ray-cast, view-aligned"), "{said}");
+}
+
+#[test]
 fn a_reader_that_has_seen_enough_is_no_failure() {
     let mut child =
         command(&["schema"]).stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped()).spawn().unwrap();

@@ -47,6 +47,12 @@ fn table() -> Vec<(&'static [&'static str], &'static str, Value)> {
         (&["--light", "0,0,-1", "--light", "1,0,0"], "/lighting/lights/1/kind/directional/direction", json!([1.0, 0.0, 0.0])),
         (&["--light", "headlight"], "/lighting/lights/0/frame", json!("camera")),
         (&["--light", "three-point"], "/lighting/ambient", json!(0.0)),
+        (&["--technique", "shells", "--mode", "x-ray"], "/technique/slicing", json!({
+            "mode": "x_ray", "geometry": "shells", "order": "front_to_back", "target": "f32", "colors": "associated",
+            "correction": "per_sample", "proxy": "vertex_stage", "samples": 1, "termination_interval": 10,
+            "occlusion_culling": true,
+        })),
+        (&["--technique", "path-trace"], "/technique/path_trace/samples", json!(64)),
         (&["--mode", "composite"], "/technique/ray_cast/mode", json!("composite")),
         (&["--mode", "x-ray"], "/technique/ray_cast/mode", json!("x_ray")),
         (&["--iso", "-5,ff0000,0.5"], "/technique/ray_cast/mode/isosurface/isovalues/0", json!({"value": -5.0, "color": "#ff0000", "opacity": 0.5})),
