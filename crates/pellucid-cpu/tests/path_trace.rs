@@ -322,8 +322,7 @@ fn noise_targets_are_met_with_fewer_paths() {
     let frame = drawn(0.03);
     let met = |k: &usize| f64::from(frame.noise[*k]) <= 0.03 * f64::from(frame.color[*k][0]).max(1e-3) * 1.0001;
     assert!((0..frame.color.len()).all(|k| met(&k)));
-    let looks = frame.statistics.samples;
-    assert!(looks < drawn(0.0).statistics.samples / 3);
+    assert!(frame.statistics.rays < drawn(0.0).statistics.rays / 3);
 }
 
 #[test]

@@ -65,7 +65,14 @@ impl TableCache {
     /// A cache whose block maps have at most so many blocks per axis: they are larger where there would
     /// be more.
     pub fn with_most_blocks(most_blocks: usize) -> Self {
-        Self { most_blocks: most_blocks.max(1), blocks: None, fine_blocks: None, extremes: None, coefficients: None, tables: None }
+        Self {
+            most_blocks: most_blocks.max(1),
+            blocks: None,
+            fine_blocks: None,
+            extremes: None,
+            coefficients: None,
+            tables: None,
+        }
     }
 
     /// The tables of a volume of a stage: the last ones, if nothing they depend on has changed.
