@@ -280,6 +280,23 @@ fn one_majorant_and_many_give_one_picture() {
 }
 
 #[test]
+fn paths_that_end_at_random_bring_as_much_light() {
+    let drawn = |roulette| {
+        let settings = PathTrace { samples: 512, roulette, environment: WHITE, ..PathTrace::default() };
+        traced(cube(8), 0.5, settings, |scene| {
+            scene.volumes[0].scattering = scattering(Phase::HenyeyGreenstein { g: 0.5 }, 0.8);
+        })
+        .1
+    };
+    let [early, never] = [drawn(0), drawn(100_000)];
+    let sum = |frame: &Frame| frame.color.iter().map(|c| f64::from(c[0])).sum::<f64>();
+    let squares = early.noise.iter().chain(&never.noise).map(|v| f64::from(*v).powi(2)).sum::<f64>();
+    let z = (sum(&early) - sum(&never)) / squares.sqrt();
+    assert!(z.abs() < 4.0, "{z} deviations");
+    assert!(early.statistics.samples * 5 < never.statistics.samples * 4);
+}
+
+#[test]
 fn the_claimed_noise_is_that_of_repeated_pictures() {
     let mut scores = Vec::new();
     let pictures: Vec<Frame> = (0..24)
