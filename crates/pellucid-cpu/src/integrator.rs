@@ -69,6 +69,8 @@ pub struct Found {
 /// Counts of one or many packets.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
+    /// Paths followed, by techniques that take as many as they need.
+    pub paths: u64,
     /// Field samples taken.
     pub samples: u64,
     /// Samples that added opacity.
@@ -82,6 +84,7 @@ pub struct Tally {
 impl Tally {
     /// Adds another tally.
     pub fn add(&mut self, other: &Self) {
+        self.paths += other.paths;
         self.samples += other.samples;
         self.visible += other.visible;
         self.skipped += other.skipped;

@@ -115,7 +115,6 @@ fn render(
     };
     let started = Instant::now();
     let drawing;
-    let mut rays_per_pixel = stage.quality.supersampling.pow(2);
     match &stage.technique {
         Technique::RayCast(_) => {
             let prepared = Prepared::new(stage, volume, cache)?;
@@ -128,7 +127,6 @@ fn render(
             let tracer = PathTracer::new(stage, volume, settings, &mut cache.tables)?;
             let drawer = tracer.drawer()?;
             drawing = Instant::now();
-            rays_per_pixel = settings.samples;
             tiles.draw(control, |tile| drawer.draw(tile, control))?;
         }
         Technique::Slicing(_) => return Err(RenderError::Technique { technique: stage.technique.name() }),
@@ -139,8 +137,12 @@ fn render(
     }
     tiles.assemble(frame);
     let (tally, rays_hit) = tiles.total();
+    let rays = match stage.technique {
+        Technique::PathTrace(_) => tally.paths,
+        _ => (view.width * view.height) as u64 * u64::from(stage.quality.supersampling).pow(2),
+    };
     frame.statistics = FrameStatistics {
-        rays: (view.width * view.height) as u64 * u64::from(rays_per_pixel),
+        rays,
         rays_hit,
         rays_terminated: tally.terminated,
         samples: tally.samples,

@@ -26,11 +26,16 @@ pub enum TableError {
 pub struct TableCache {
     /// Most blocks per axis.
     most_blocks: usize,
-    blocks: Option<(Arc<Volume>, usize, Margin, Arc<Blocks>)>,
+    blocks: Option<KeptBlocks>,
+    /// Of half the size.
+    fine_blocks: Option<KeptBlocks>,
     extremes: Option<(Arc<Blocks>, bool, Arc<Vec<f32>>)>,
     coefficients: Option<(Arc<Volume>, usize, Arc<Volume>)>,
     tables: Option<(Settings, Arc<Tables>)>,
 }
+
+/// Blocks and what they are of.
+type KeptBlocks = (Arc<Volume>, usize, Margin, Arc<Blocks>);
 
 /// How far a filter sees beyond a cell, in voxels, and its samples leave the range of what it sees.
 #[derive(Clone, Copy, PartialEq)]
@@ -60,7 +65,14 @@ impl TableCache {
     /// A cache whose block maps have at most so many blocks per axis: they are larger where there would
     /// be more.
     pub fn with_most_blocks(most_blocks: usize) -> Self {
-        Self { most_blocks: most_blocks.max(1), blocks: None, extremes: None, coefficients: None, tables: None }
+        Self {
+            most_blocks: most_blocks.max(1),
+            blocks: None,
+            fine_blocks: None,
+            extremes: None,
+            coefficients: None,
+            tables: None,
+        }
     }
 
     /// The tables of a volume of a stage: the last ones, if nothing they depend on has changed.
@@ -86,35 +98,21 @@ impl TableCache {
         }
     }
 
-    /// Blocks that bound every value of the field that `tables` classify; `None` if the filter leaves the
-    /// range of its voxels too far for them to tell anything.
+    /// Blocks, of half the usual size, that bound every value of the field that `tables` classify; `None`
+    /// if the filter leaves the range of its voxels too far for them to tell anything.
     ///
     /// # Errors
     /// [`TableError::Field`] if there is no such component.
-    pub fn ranges(
-        &mut self,
-        stage: &Stage,
-        volume: &StageVolume,
-        tables: &Tables,
-    ) -> Result<Option<Arc<Blocks>>, TableError> {
-        Ok(bounds(stage, volume, (&tables.field, tables.component, tables.filter), self)?)
+    pub fn fine_ranges(&mut self, tables: &Tables) -> Result<Option<Arc<Blocks>>, TableError> {
+        let Some(margin) = Margin::of(tables.filter) else { return Ok(None) };
+        let size = Blocks::CELLS / 2;
+        Ok(Some(kept(&mut self.fine_blocks, &tables.field, tables.component, margin, size)?))
     }
 
     fn blocks(&mut self, volume: &Arc<Volume>, component: usize, margin: Margin) -> Result<Arc<Blocks>, FieldError> {
-        match &self.blocks {
-            Some((v, c, m, blocks)) if Arc::ptr_eq(v, volume) && *c == component && *m == margin => Ok(blocks.clone()),
-            _ => {
-                let cells = volume.grid().dims().into_iter().max().unwrap_or(1);
-                let size = Blocks::CELLS.max(cells.div_ceil(self.most_blocks).next_power_of_two());
-                let mut blocks = Blocks::new(volume, component, size, margin.reach)?;
-                if margin.overshoot > 0.0 {
-                    blocks = blocks.overshot(margin.overshoot);
-                }
-                let blocks = Arc::new(blocks);
-                self.blocks = Some((volume.clone(), component, margin, blocks.clone()));
-                Ok(blocks)
-            }
-        }
+        let cells = volume.grid().dims().into_iter().max().unwrap_or(1);
+        let size = Blocks::CELLS.max(cells.div_ceil(self.most_blocks).next_power_of_two());
+        kept(&mut self.blocks, volume, component, margin, size)
     }
 
     fn extremes(&mut self, blocks: &Arc<Blocks>, minimum: bool) -> BlockContent {
@@ -227,6 +225,28 @@ impl Tables {
     }
 }
 
+/// The blocks that are kept, if they are of this, or new ones in their place.
+fn kept(
+    slot: &mut Option<KeptBlocks>,
+    volume: &Arc<Volume>,
+    component: usize,
+    margin: Margin,
+    size: usize,
+) -> Result<Arc<Blocks>, FieldError> {
+    match slot {
+        Some((v, c, m, blocks)) if Arc::ptr_eq(v, volume) && *c == component && *m == margin => Ok(blocks.clone()),
+        _ => {
+            let mut blocks = Blocks::new(volume, component, size, margin.reach)?;
+            if margin.overshoot > 0.0 {
+                blocks = blocks.overshot(margin.overshoot);
+            }
+            let blocks = Arc::new(blocks);
+            *slot = Some((volume.clone(), component, margin, blocks.clone()));
+            Ok(blocks)
+        }
+    }
+}
+
 /// Blocks that bound every value that is classified; `None` if the filter leaves the range of its
 /// voxels too far for them to tell anything. Samples of a field are bounded by the numbers that its
 /// filter weighs; pre-classified samples blend colours of the volume's voxels, which are zero wherever
@@ -237,14 +257,18 @@ fn bounds(
     (field, component, filter): (&Arc<Volume>, usize, Filter),
     cache: &mut TableCache,
 ) -> Result<Option<Arc<Blocks>>, FieldError> {
-    const FURTHEST: f64 = 4.0;
-    let reach = filter.half_width() - 1;
     if stage.classifies_voxels() {
+        let reach = filter.half_width() - 1;
         return cache.blocks(&volume.volume, volume.component, Margin { reach, overshoot: 0.0 }).map(Some);
     }
-    let overshoot = filter.overshoot();
-    if overshoot > FURTHEST {
-        return Ok(None);
+    Margin::of(filter).map(|margin| cache.blocks(field, component, margin)).transpose()
+}
+
+impl Margin {
+    /// That of a filter; `None` if its samples leave the range of their voxels too far to tell anything.
+    fn of(filter: Filter) -> Option<Self> {
+        const FURTHEST: f64 = 4.0;
+        let overshoot = filter.overshoot();
+        (overshoot <= FURTHEST).then(|| Self { reach: filter.half_width() - 1, overshoot })
     }
-    cache.blocks(field, component, Margin { reach, overshoot }).map(Some)
 }

@@ -1,7 +1,7 @@
 //! Bounds of the extinction in blocks of the data, and the walk through them.
 
 use glam::Vec3;
-use pellucid_field::Blocks;
+use pellucid_field::{Blocks, distances};
 use pellucid_optics::Visibility;
 
 use super::extinction::Extinctions;
@@ -13,6 +13,8 @@ pub struct Majorants {
     size: f32,
     /// Per world unit, x fastest.
     values: Vec<f32>,
+    /// How many blocks away the next one is where there is extinction; 0 if there is some in the block.
+    distances: Vec<u8>,
 }
 
 impl Majorants {
@@ -20,13 +22,16 @@ impl Majorants {
     pub fn new(blocks: Option<&Blocks>, extinctions: &Extinctions, visibility: &Visibility) -> Self {
         let bound = |low, high| extinctions.of_opacity(visibility.max_opacity(low, high));
         let Some(blocks) = blocks else {
-            return Self { dims: [1; 3], size: f32::INFINITY, values: vec![bound(f32::MIN, f32::MAX)] };
+            let values = vec![bound(f32::MIN, f32::MAX)];
+            return Self { dims: [1; 3], size: f32::INFINITY, values, distances: vec![0] };
         };
         let of_block = |&range: &[f32; 2]| {
             let [low, high] = Blocks::interpolated(range);
             if range == Blocks::ABSENT { 0.0 } else { bound(low, high) }
         };
-        Self { dims: blocks.dims(), size: blocks.size() as f32, values: blocks.ranges().iter().map(of_block).collect() }
+        let values: Vec<f32> = blocks.ranges().iter().map(of_block).collect();
+        let distances = distances(blocks.dims(), |block| values[block] > 0.0);
+        Self { dims: blocks.dims(), size: blocks.size() as f32, values, distances }
     }
 
     /// The blocks that a flight of `length` passes, from its origin on.
@@ -37,8 +42,8 @@ impl Majorants {
             let block = (origin[axis] / self.size).max(0.0) as i32;
             block.min(self.dims[axis] as i32 - 1)
         });
-        let mut walk = Walk { majorants: self, origin, inverse, block, exits: [0.0; 3], length };
-        walk.exits = [0, 1, 2].map(|axis| walk.exit(axis));
+        let mut walk = Walk { majorants: self, origin, direction, inverse, block, exits: [0.0; 3], length };
+        walk.exits = [0, 1, 2].map(|axis| walk.exit(axis, 0));
         walk
     }
 }
@@ -47,6 +52,7 @@ impl Majorants {
 pub struct Walk<'a> {
     majorants: &'a Majorants,
     origin: Vec3,
+    direction: Vec3,
     inverse: Vec3,
     block: [i32; 3],
     /// Where the flight leaves the block along each axis; infinite if it stays in the last one.
@@ -55,45 +61,86 @@ pub struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// From the block's number, not step by step: no error adds up.
+    /// Where the flight leaves the blocks up to so many beyond its own along an axis. From their number,
+    /// not step by step: no error adds up.
     #[inline(always)]
-    fn exit(&self, axis: usize) -> f32 {
+    fn exit(&self, axis: usize, beyond: i32) -> f32 {
         let forward = self.inverse[axis] > 0.0;
-        let last = if forward { self.majorants.dims[axis] as i32 - 1 } else { 0 };
-        if self.block[axis] == last {
+        let room = if forward { self.majorants.dims[axis] as i32 - 1 - self.block[axis] } else { self.block[axis] };
+        if beyond >= room {
             return f32::INFINITY;
         }
-        let side = (self.block[axis] + i32::from(forward)) as f32 * self.majorants.size;
-        let exit = (side - self.origin[axis]) * self.inverse[axis];
+        let side = self.block[axis] + if forward { beyond + 1 } else { -beyond };
+        let exit = (side as f32 * self.majorants.size - self.origin[axis]) * self.inverse[axis];
         // Along the side itself 0 * inf is NaN: the flight stays in the block.
         if exit.is_nan() { f32::INFINITY } else { exit }
+    }
+
+    #[inline(always)]
+    fn number(&self) -> usize {
+        let [x, y, z] = self.block.map(|b| b as usize);
+        let [nx, ny, _] = self.majorants.dims;
+        x + nx * (y + ny * z)
     }
 
     /// The majorant of the block that the flight is in, and where it leaves it.
     #[inline(always)]
     pub fn block(&self) -> (f32, f32) {
-        let [x, y, z] = self.block.map(|b| b as usize);
-        let [nx, ny, _] = self.majorants.dims;
         let exit = self.exits[0].min(self.exits[1]).min(self.exits[2]).min(self.length);
-        (self.majorants.values[x + nx * (y + ny * z)], exit)
+        (self.majorants.values[self.number()], exit)
     }
 
-    /// Goes on to the next block; false if the flight ends in this one.
+    /// Goes on to the next block, or over all those that are known to be empty; false if the flight ends
+    /// before.
     #[inline(always)]
     pub fn advance(&mut self) -> bool {
-        let [x, y, z] = self.exits;
-        let axis = if x <= y && x <= z {
-            0
-        } else if y <= z {
-            1
-        } else {
-            2
-        };
+        let beyond = i32::from(self.majorants.distances[self.number()]) - 1;
+        if beyond > 0 {
+            return self.leap(beyond);
+        }
+        let axis = first(self.exits);
         if self.exits[axis] >= self.length {
             return false;
         }
-        self.block[axis] += if self.inverse[axis] > 0.0 { 1 } else { -1 };
-        self.exits[axis] = self.exit(axis);
+        self.block[axis] += self.step(axis);
+        self.exits[axis] = self.exit(axis, 0);
         true
+    }
+
+    /// Leaves the cube of blocks up to so many beyond its own.
+    fn leap(&mut self, beyond: i32) -> bool {
+        let exits = [0, 1, 2].map(|axis| self.exit(axis, beyond));
+        let axis = first(exits);
+        let exit = exits[axis];
+        if exit >= self.length {
+            return false;
+        }
+        let left = self.block[axis] + self.step(axis) * (beyond + 1);
+        let at = (self.origin + self.direction * exit) / self.majorants.size;
+        self.block = [0, 1, 2].map(|other| {
+            // Rounding must not lead out of the cube, nor out of the grid.
+            let [low, high] = [self.block[other] - beyond, self.block[other] + beyond];
+            (at[other].floor() as i32).clamp(low, high).clamp(0, self.majorants.dims[other] as i32 - 1)
+        });
+        self.block[axis] = left;
+        self.exits = [0, 1, 2].map(|axis| self.exit(axis, 0));
+        true
+    }
+
+    #[inline(always)]
+    fn step(&self, axis: usize) -> i32 {
+        if self.inverse[axis] > 0.0 { 1 } else { -1 }
+    }
+}
+
+/// The axis with the nearest exit.
+#[inline(always)]
+fn first([x, y, z]: [f32; 3]) -> usize {
+    if x <= y && x <= z {
+        0
+    } else if y <= z {
+        1
+    } else {
+        2
     }
 }

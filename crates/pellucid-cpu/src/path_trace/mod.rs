@@ -65,7 +65,7 @@ impl<'s> PathTracer<'s> {
     ) -> Result<Self, RenderError> {
         let tables = cache.tables(stage, volume)?;
         let ranges: Option<Arc<Blocks>> = match settings.majorants {
-            pellucid_scene::Majorants::Local => cache.ranges(stage, volume, &tables)?,
+            pellucid_scene::Majorants::Local => cache.fine_ranges(&tables)?,
             pellucid_scene::Majorants::Global => None,
         };
         let extinctions = Extinctions::new(&tables.table, volume.unit_distance());

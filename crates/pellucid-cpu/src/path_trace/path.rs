@@ -33,6 +33,8 @@ pub struct World<'a, F> {
 
 /// What a path brought.
 pub struct Found {
+    /// Whether it met the volume.
+    pub met: bool,
     /// Linear RGB radiance.
     pub radiance: [f32; 3],
     /// Distance from the eye to the first collision in world units; infinite if there was none.
@@ -44,8 +46,9 @@ pub struct Found {
 impl<F: Values> World<'_, F> {
     /// Follows a ray from the eye to where its light came from.
     pub fn follow(&self, ray: &Ray, random: &mut Random) -> Found {
-        let mut found = Found { radiance: [0.0; 3], depth: f32::INFINITY, looks: 0 };
+        let mut found = Found { met: false, radiance: [0.0; 3], depth: f32::INFINITY, looks: 0 };
         let Some((entry, mut flight)) = self.medium.space.enter(ray) else { return found };
+        found.met = true;
         let mut forward = ray.direction.as_vec3();
         let mut throughput = [1.0; 3];
         // Density with which the last scattering chose the direction.

@@ -42,17 +42,30 @@ impl Welford {
     }
 }
 
+/// What the paths of a pixel found.
+struct Pixel {
+    found: Found,
+    /// Standard error of the luminance.
+    noise: f32,
+    paths: u32,
+    /// Paths that met the volume, and those that collided there.
+    met: u32,
+    collided: u32,
+}
+
 impl<F: Values> Draw for Paths<'_, F> {
     fn draw(&self, tile: &mut Tile, control: &Control) -> Result<(), RenderError> {
         let mut depths = Vec::new();
         for row in 0..tile.height {
             for column in 0..tile.width {
-                let (found, noise) = self.pixel(tile.x + column, tile.y + row, &mut depths, control)?;
-                tile.add(column, row, 1.0, &found);
-                tile.set_noise(column, row, noise);
-                tile.tally.samples += u64::from(found.samples);
-                tile.tally.visible += u64::from(found.color[3] > 0.0);
-                tile.hit += u64::from(found.samples > 0);
+                let pixel = self.pixel(tile.x + column, tile.y + row, &mut depths, control)?;
+                tile.add(column, row, 1.0, &pixel.found);
+                tile.set_noise(column, row, pixel.noise);
+                tile.hit += u64::from(pixel.met);
+                let tally = &mut tile.tally;
+                tally.paths += u64::from(pixel.paths);
+                tally.samples += u64::from(pixel.found.samples);
+                tally.visible += u64::from(pixel.collided);
             }
         }
         Ok(())
@@ -60,10 +73,10 @@ impl<F: Values> Draw for Paths<'_, F> {
 }
 
 impl<F: Values> Paths<'_, F> {
-    /// A pixel and the standard error of its luminance. `depths` is memory to use.
-    fn pixel(&self, x: usize, y: usize, depths: &mut Vec<f32>, control: &Control) -> Result<(Found, f32), RenderError> {
+    /// Draws a pixel. `depths` is memory to use.
+    fn pixel(&self, x: usize, y: usize, depths: &mut Vec<f32>, control: &Control) -> Result<Pixel, RenderError> {
         let settings = self.world.settings;
-        let (mut radiance, mut covered, mut looks) = ([0.0f64; 3], 0u32, 0u32);
+        let (mut radiance, mut met, mut collided, mut looks) = ([0.0f64; 3], 0u32, 0u32, 0u32);
         let mut brightness = Welford::default();
         depths.clear();
         for sample in 0..settings.samples {
@@ -77,7 +90,8 @@ impl<F: Values> Paths<'_, F> {
                 radiance[channel] += f64::from(found.radiance[channel]);
             }
             brightness.add(f64::from(luminance(found.radiance)));
-            covered += u32::from(found.depth.is_finite());
+            met += u32::from(found.met);
+            collided += u32::from(found.depth.is_finite());
             looks = looks.saturating_add(found.looks);
             depths.push(found.depth);
             let looked_at = settings.noise > 0.0 && (sample + 1) % BATCH == 0 && sample + 1 >= FEWEST;
@@ -91,8 +105,9 @@ impl<F: Values> Paths<'_, F> {
         // The ray's opacity reaches one half where half of its paths have collided.
         let middle = depths.len().div_ceil(2) - 1;
         let (_, depth, _) = depths.select_nth_unstable_by(middle, f32::total_cmp);
-        let color = [r, g, b, (f64::from(covered) / count) as f32];
+        let color = [r, g, b, (f64::from(collided) / count) as f32];
         let found = Found { color, depth: *depth, normal: [0.0; 3], samples: looks };
-        Ok((found, brightness.standard_error() as f32))
+        let noise = brightness.standard_error() as f32;
+        Ok(Pixel { found, noise, paths: brightness.count, met, collided })
     }
 }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 const LEAST: usize = 1 << 14;
 
 /// Takes a frame into a mean of `frames` frames, itself among them. Colour, which is associated, is
-/// averaged; samples and totals are summed; a warning stays as long as it is true of every frame;
+/// averaged, and noise as that of independent frames; samples and totals are summed; a warning stays as long as it is true of every frame;
 /// depth and normal, of which no mean is a surface, stay those of the first.
 pub fn average(mean: &mut Frame, frame: &Frame, frames: u32) {
     let share = 1.0 / frames as f32;
@@ -15,6 +15,8 @@ pub fn average(mean: &mut Frame, frame: &Frame, frames: u32) {
     colors.for_each(|(mean, color)| (0..4).for_each(|c| mean[c] += (color[c] - mean[c]) * share));
     let samples = mean.samples.par_iter_mut().zip(&frame.samples).with_min_len(LEAST);
     samples.for_each(|(sum, samples)| *sum = sum.saturating_add(*samples));
+    let noise = mean.noise.par_iter_mut().zip(&frame.noise).with_min_len(LEAST);
+    noise.for_each(|(mean, noise)| *mean = (*mean * (1.0 - share)).hypot(noise * share));
     mean.statistics.add(&frame.statistics);
     mean.warnings.retain(|warning| frame.warnings.contains(warning));
 }
@@ -31,6 +33,7 @@ mod tests {
         let frames = colors.map(|color| {
             let mut frame = Frame::new(1, 1);
             (frame.color[0], frame.depth[0], frame.samples[0]) = (color, color[0], 5);
+            frame.noise[0] = 0.3;
             frame.statistics.rays = 1;
             frame.warnings.push(RenderWarning::Empty { reason: String::new() });
             frame
@@ -41,6 +44,8 @@ mod tests {
         average(&mut mean, &Frame { warnings: vec![], ..frames[2].clone() }, 3);
         let exact = [0.5, 2.0, 1.0, 0.5];
         assert!((0..4).all(|c| (mean.color[0][c] - exact[c]).abs() < 1e-6), "{:?}", mean.color);
+        // Of three independent frames.
+        assert!((mean.noise[0] - 0.3 / 3f32.sqrt()).abs() < 1e-6, "{}", mean.noise[0]);
         assert_eq!((mean.depth[0], mean.samples[0], mean.statistics.rays, mean.warnings.len()), (0.25, 15, 3, 0));
     }
 }

@@ -61,7 +61,7 @@ pub fn rows(view: &Viewpoint, divisor: usize) -> usize {
 }
 
 /// Enlarges the picture of [`Viewpoint::with_rows`] to that of its view: colours, which are
-/// associated, bilinearly; depth, normal and samples, which do not mix, from the nearest pixel.
+/// associated, bilinearly; depth, normal, samples and noise, which do not mix, from the nearest pixel.
 pub fn enlarge(small: &Frame, large: &mut Frame, width: usize, height: usize) {
     if (large.width, large.height) != (width, height) {
         large.clear(width, height);
@@ -76,7 +76,9 @@ pub fn enlarge(small: &Frame, large: &mut Frame, width: usize, height: usize) {
     let depth = large.depth.par_chunks_mut(row);
     let normal = large.normal.par_chunks_mut(row);
     let samples = large.samples.par_chunks_mut(row);
-    color.zip(depth).zip(normal).zip(samples).enumerate().for_each(|(y, (((color, depth), normal), samples))| {
+    let noise = large.noise.par_chunks_mut(row);
+    let rows = color.zip(depth).zip(normal).zip(samples).zip(noise).enumerate();
+    rows.for_each(|(y, ((((color, depth), normal), samples), noise))| {
         let vertical = down.taps(y);
         let [upper, lower] = vertical.ends.map(|row| &small.color[row * small.width..][..small.width]);
         let nearest = vertical.nearest * small.width;
@@ -90,6 +92,7 @@ pub fn enlarge(small: &Frame, large: &mut Frame, width: usize, height: usize) {
             );
             let pixel = nearest + taps.nearest;
             (depth[x], normal[x], samples[x]) = (small.depth[pixel], small.normal[pixel], small.samples[pixel]);
+            noise[x] = small.noise[pixel];
         }
     });
 }
