@@ -4,10 +4,12 @@
 use std::sync::Arc;
 
 use pellucid_field::Grid;
-use pellucid_scene::{BlockContent, BlockMap, Region, Stage, StageVolume, TableCache, Tables};
+use pellucid_optics::{DataRange, LightModel, ShadowRays, Shadows, StepTable};
+use pellucid_scene::{BlockContent, BlockMap, Mode, Region, Stage, StageVolume, TableCache, Tables, Technique};
 
 use crate::RenderError;
-use crate::skip::{ExtremeGrid, SkipGrid};
+use crate::scatter::ScatterTable;
+use crate::skip::{ExtremeGrid, Levels, SkipGrid};
 
 /// What is kept from frame to frame.
 #[derive(Default)]
@@ -20,13 +22,14 @@ pub struct Cache {
 impl Cache {
     fn new_grids(&mut self, tables: &Tables) -> Grids {
         let (mut skip, mut extremes) = (None, None);
+        let levels = tables.blocks.as_ref().and_then(Levels::new);
         if let Some(blocks) = &tables.blocks {
             match &blocks.content {
                 BlockContent::Distances(distances) => skip = Some(SkipGrid::new(blocks, distances)),
                 BlockContent::Extremes(values) => extremes = Some(self.extremes(blocks, values)),
             }
         }
-        Grids { skip, extremes }
+        Grids { skip, levels, extremes }
     }
 
     /// Extremes depend on the data alone and are kept when optics change.
@@ -57,6 +60,8 @@ impl Cache {
 pub struct Grids {
     /// Blocks that can contribute, for modes that know.
     pub skip: Option<SkipGrid>,
+    /// The strides that they allow, if steps adapt to the data.
+    pub levels: Option<Levels>,
     /// Extremes of blocks, for modes that project one.
     pub extremes: Option<Arc<ExtremeGrid>>,
 }
@@ -73,6 +78,18 @@ pub struct Prepared<'s> {
     pub tables: Arc<Tables>,
     /// What is leapt over.
     pub grids: Arc<Grids>,
+    /// What of scattering depends on the data, if samples scatter.
+    pub scattering: Option<ScatterTable>,
+    /// What the ways to lights need, if shadow rays are cast.
+    pub shadows: Option<ShadowSteps>,
+}
+
+/// Steps of shadow rays.
+pub struct ShadowSteps {
+    /// Their length in world units.
+    pub length: f64,
+    /// Associated colour and opacity of one.
+    pub table: StepTable,
 }
 
 impl<'s> Prepared<'s> {
@@ -89,12 +106,38 @@ impl<'s> Prepared<'s> {
         }
         let tables = cache.tables.tables(stage, volume)?;
         let grids = cache.grids(&tables);
-        Ok(Self { stage, volume, region: stage.region(volume), tables, grids })
+        let scatters = match stage.technique {
+            Technique::RayCast(_) => stage.light_model == LightModel::Scattering && *stage.mode() == Mode::Composite,
+            Technique::HalfAngle(_) => true,
+            _ => false,
+        };
+        let data = DataRange::of(&volume.volume);
+        let scattering = scatters.then(|| ScatterTable::new(&volume.scattering, &tables.table, &data)).transpose()?;
+        let lit = scatters || volume.material.is_some();
+        let length = shadow_step(stage, volume).filter(|_| lit);
+        let steps = |length| {
+            let table = StepTable::new(&tables.table, (length / volume.unit_distance()) as f32)?;
+            Ok::<_, RenderError>(ShadowSteps { length, table })
+        };
+        let shadows = length.map(steps).transpose()?;
+        Ok(Self { stage, volume, region: stage.region(volume), tables, grids, scattering, shadows })
     }
 
     /// The grid all positions refer to.
     pub fn grid(&self) -> &Grid {
         self.volume.volume.grid()
+    }
+}
+
+/// The step of shadow rays in world units, if the stage asks for such.
+fn shadow_step(stage: &Stage, volume: &StageVolume) -> Option<f64> {
+    let smallest = volume.volume.grid().smallest_spacing();
+    match (&stage.technique, stage.mode(), stage.shadows) {
+        (Technique::RayCast(_), Mode::Composite | Mode::Isosurface(_), Shadows::Rays(rays)) => {
+            Some(rays.step * smallest)
+        }
+        (Technique::RayCast(_), Mode::Isosurface(_), Shadows::Volume(_)) => Some(ShadowRays::default().step * smallest),
+        _ => None,
     }
 }
 

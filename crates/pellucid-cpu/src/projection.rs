@@ -136,6 +136,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
                     s,
                     rays,
                     None,
+                    None,
                     counter,
                     |_| (),
                     #[inline(always)]
@@ -212,6 +213,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
                     s,
                     rays,
                     self.skip,
+                    None,
                     counter,
                     |_| (),
                     #[inline(always)]
@@ -267,6 +269,7 @@ impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
                     s,
                     rays,
                     self.skip,
+                    None,
                     counter,
                     |_| (),
                     #[inline(always)]

@@ -41,7 +41,7 @@ impl<S: Lanes> March<S> {
     }
 
     /// Visits the next [`RUN`] samples that can contribute, nearest first; `see` returns the lanes
-    /// whose ray is done. `prefetch` hears of positions that come next. Returns whether any ray goes
+    /// whose ray is done. `levels` of strides, if steps adapt to the data. `prefetch` hears of positions that come next. Returns whether any ray goes
     /// on.
     #[inline(always)]
     pub fn run(
@@ -49,6 +49,7 @@ impl<S: Lanes> March<S> {
         s: S,
         rays: &Rays<S>,
         skip: Option<&SkipGrid>,
+        levels: Option<&Levels>,
         counter: &mut Counter<S>,
         prefetch: impl Fn(Vec3<S>),
         mut see: impl FnMut(&Sample<S>, &mut Counter<S>) -> Mask<S>,
@@ -59,9 +60,9 @@ impl<S: Lanes> March<S> {
             let to = skip.leap(s, rays, k, open, Leap::Samples);
             counter.skip(to.min(rays.count) - k);
             k = to;
-            if let Some(levels) = skip.levels() {
-                strides = Some(Strides::at(s, rays, levels, k));
-            }
+        }
+        if let Some(levels) = levels {
+            strides = Some(Strides::at(s, rays, levels, k));
         }
         for number in 0..RUN {
             open &= rays.has(k);

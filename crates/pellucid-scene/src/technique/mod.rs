@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::{Checked, direction, finite, require};
 
+mod half_angle;
 mod slicing;
 
+pub use half_angle::{BlurJitter, BlurScaling, HalfAngle, InScatter, LightCorrection};
 pub use slicing::{BlendOrder, ColorWeight, Correction, Proxy, SliceGeometry, SliceTarget, Slicing};
 
 /// The technique that draws the scene.
@@ -18,6 +20,8 @@ pub enum Technique {
     RayCast(RayCast),
     /// Slices through the volume, blended in their order (chapter 3). On graphics processors.
     Slicing(Slicing),
+    /// Slices halfway between light and eye, through which light travels (section 6.3). Composites.
+    HalfAngle(HalfAngle),
 }
 
 impl Default for Technique {
@@ -116,14 +120,16 @@ impl Technique {
         match self {
             Self::RayCast(RayCast { mode }) => mode,
             Self::Slicing(Slicing { mode, .. }) => mode,
+            Self::HalfAngle(_) => &Mode::Composite,
         }
     }
 
-    /// What becomes of the samples, to be changed.
-    pub fn mode_mut(&mut self) -> &mut Mode {
+    /// What becomes of the samples, to be changed; `None` for techniques that do but one thing with them.
+    pub fn mode_mut(&mut self) -> Option<&mut Mode> {
         match self {
-            Self::RayCast(RayCast { mode }) => mode,
-            Self::Slicing(Slicing { mode, .. }) => mode,
+            Self::RayCast(RayCast { mode }) => Some(mode),
+            Self::Slicing(Slicing { mode, .. }) => Some(mode),
+            Self::HalfAngle(_) => None,
         }
     }
 
@@ -132,13 +138,16 @@ impl Technique {
         match self {
             Self::RayCast(_) => "ray_cast",
             Self::Slicing(_) => "slicing",
+            Self::HalfAngle(_) => "half_angle",
         }
     }
 
     pub(crate) fn check(&self, path: &str) -> Checked {
         let path = format!("{path}.{}", self.name());
-        if let Self::Slicing(slicing) = self {
-            slicing.check(&path)?;
+        match self {
+            Self::RayCast(_) => {}
+            Self::Slicing(slicing) => slicing.check(&path)?,
+            Self::HalfAngle(half_angle) => half_angle.check(&path)?,
         }
         self.mode().check(&format!("{path}.mode"))
     }

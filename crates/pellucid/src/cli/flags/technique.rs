@@ -1,7 +1,7 @@
 //! What becomes of the samples along a ray.
 
 use pellucid::scene::{
-    Camera, Combine, Isosurface, Isovalue, Mode, Orbit, Projection, Scene, Slice, StageVolume, View,
+    Camera, Combine, Isosurface, Isovalue, Mode, Orbit, Projection, Scene, Slice, StageVolume, Technique, View,
 };
 
 use crate::cli::failure::Failure;
@@ -68,7 +68,12 @@ enum Position {
 impl TechniqueFlags {
     /// `face`: whether the camera may be turned towards a slice.
     pub fn apply(&self, scene: &mut Scene, face: bool) -> Result<(), Failure> {
-        let mode = scene.technique.mode_mut();
+        let slice_flags = self.at.is_some() || self.thickness.is_some() || self.combine.is_some();
+        let given = self.mode.is_some() || !self.iso.is_empty() || self.slice.is_some() || slice_flags;
+        if given && scene.technique.mode_mut().is_none() {
+            scene.technique = Technique::default();
+        }
+        let Some(mode) = scene.technique.mode_mut() else { return Ok(()) };
         if let Some(given) = &self.mode {
             *mode = given.clone();
         }
@@ -100,8 +105,8 @@ impl TechniqueFlags {
 
     /// Moves the slice to its place in percent, if it is given so and there is a slice.
     pub fn place(&self, scene: &mut Scene, volume: &StageVolume) -> bool {
-        let mode = scene.technique.mode_mut();
-        let (Some(Position::Percent(percent)), Some(slice)) = (self.at, slice_of(mode)) else { return false };
+        let slice = scene.technique.mode_mut().and_then(slice_of);
+        let (Some(Position::Percent(percent)), Some(slice)) = (self.at, slice) else { return false };
         let Some(normal) = slice.normal else { return false };
         let dot = |p: [f64; 3]| (0..3).map(|axis| p[axis] * normal[axis]).sum::<f64>();
         let grid = volume.volume.grid();
