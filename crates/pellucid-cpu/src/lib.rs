@@ -11,6 +11,7 @@ mod classify;
 mod composite;
 mod error;
 mod field;
+mod half_angle;
 mod integrator;
 mod isosurface;
 mod lanes;

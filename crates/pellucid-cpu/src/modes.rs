@@ -13,18 +13,23 @@ use crate::lanes::{InstructionSet, Lanes, dispatch};
 use crate::prepare::Prepared;
 use crate::projection::{Additive, Average, Extreme, XRay};
 use crate::scatter::Scatter;
-use crate::shadow::{Media, Shadow, Surfaces, ToLights};
+use crate::shadow::{LightVolume, LightVolumes, Media, Shadow, Surfaces, ToLights};
 use crate::slice::Plane;
 use crate::surface::Surface;
 
 impl Prepared<'_> {
-    /// The integrator of the stage's mode, for an instruction set.
+    /// The integrator of the stage's mode, for an instruction set, in the light of volumes if there are
+    /// such.
     ///
     /// # Errors
     /// [`RenderError::Field`] if the filter's parameters are out of range.
-    pub fn integrator(&self, set: InstructionSet) -> Result<Box<dyn Integrator + '_>, RenderError> {
+    pub fn integrator<'a>(
+        &'a self,
+        set: InstructionSet,
+        lights: Option<&'a [LightVolume]>,
+    ) -> Result<Box<dyn Integrator + 'a>, RenderError> {
         let sampler = self.sampler()?;
-        Ok(dispatch!(set, s => self.integrator_in(s, sampler)))
+        Ok(dispatch!(set, s => self.integrator_in(s, sampler, lights)))
     }
 
     /// The field as its filter reconstructs it.
@@ -37,9 +42,14 @@ impl Prepared<'_> {
 
     /// The modes that most pictures have are compiled with the voxel type that most data have
     /// inside their loops. All others ask the field by one virtual call a packet.
-    fn integrator_in<'a, S: Lanes>(&'a self, s: S, sampler: Sampler<'a>) -> Box<dyn Integrator + 'a> {
+    fn integrator_in<'a, S: Lanes>(
+        &'a self,
+        s: S,
+        sampler: Sampler<'a>,
+        lights: Option<&'a [LightVolume]>,
+    ) -> Box<dyn Integrator + 'a> {
         let classification = self.stage.quality.classification;
-        let surface = self.surface(s, &sampler);
+        let surface = self.surface(s, &sampler, lights);
         let common = match self.stage.mode() {
             Mode::Composite => classification != Classification::Pre,
             Mode::Maximum | Mode::Minimum | Mode::Isosurface(_) => true,
@@ -190,7 +200,12 @@ impl Prepared<'_> {
     }
 
     /// Light on samples, if they are lit at all.
-    fn surface<'a, S: Lanes>(&'a self, s: S, sampler: &Sampler<'a>) -> Option<Surface<'a, S>> {
+    fn surface<'a, S: Lanes>(
+        &'a self,
+        s: S,
+        sampler: &Sampler<'a>,
+        lights: Option<&'a [LightVolume]>,
+    ) -> Option<Surface<'a, S>> {
         let (weight, stage) = (self.volume.gradient_weight, self.stage);
         let (material, scatter) = (self.volume.material, self.scatter());
         if material.is_none() && scatter.is_none() {
@@ -199,7 +214,7 @@ impl Prepared<'_> {
         let world_from_index = self.grid().world_from_index();
         let surface =
             Surface::new(material.unwrap_or_default(), weight, &stage.lights, stage.ambient, world_from_index);
-        let surface = surface.shadowed(self.shadow(s, sampler));
+        let surface = surface.shadowed(self.shadow(s, sampler, lights));
         Some(match scatter {
             Some(scatter) => surface.scattering(scatter),
             None => surface,
@@ -211,7 +226,15 @@ impl Prepared<'_> {
         self.scattering.as_ref().map(|table| Scatter::new(&self.volume.scattering, table))
     }
 
-    fn shadow<'a, S: Lanes>(&'a self, s: S, sampler: &Sampler<'a>) -> Option<Box<dyn Shadow<S> + 'a>> {
+    fn shadow<'a, S: Lanes>(
+        &'a self,
+        s: S,
+        sampler: &Sampler<'a>,
+        lights: Option<&'a [LightVolume]>,
+    ) -> Option<Box<dyn Shadow<S> + 'a>> {
+        if let Some(lights) = lights {
+            return Some(Box::new(LightVolumes::new(lights)));
+        }
         let shadows = self.shadows.as_ref()?;
         let (ways, skip) = (ToLights::new(self, shadows.length), self.grids.skip.as_ref());
         let field = self.any(sampler.clone());

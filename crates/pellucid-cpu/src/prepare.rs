@@ -4,11 +4,15 @@
 use std::sync::Arc;
 
 use pellucid_field::Grid;
-use pellucid_optics::{DataRange, LightModel, ShadowRays, Shadows, StepTable};
-use pellucid_scene::{BlockContent, BlockMap, Mode, Region, Stage, StageVolume, TableCache, Tables, Technique};
+use pellucid_optics::{DataRange, LightModel, ResolvedLight, ShadowRays, ShadowVolume, Shadows, StepTable};
+use pellucid_scene::{
+    BlockContent, BlockMap, Control, Mode, Region, Stage, StageVolume, TableCache, Tables, Technique,
+};
 
 use crate::RenderError;
+use crate::lanes::InstructionSet;
 use crate::scatter::ScatterTable;
+use crate::shadow::LightVolume;
 use crate::skip::{ExtremeGrid, Levels, SkipGrid};
 
 /// What is kept from frame to frame.
@@ -17,6 +21,24 @@ pub struct Cache {
     tables: TableCache,
     grids: Option<(Arc<Tables>, Arc<Grids>)>,
     extremes: Option<(Arc<Vec<f32>>, Arc<ExtremeGrid>)>,
+    lights: Option<(LightSettings, Arc<Vec<LightVolume>>)>,
+}
+
+/// Everything that light volumes depend on besides tables.
+struct LightSettings {
+    tables: Arc<Tables>,
+    lights: Vec<ResolvedLight>,
+    region: Region,
+    resolution: f64,
+}
+
+impl LightSettings {
+    fn are(&self, prepared: &Prepared, resolution: f64) -> bool {
+        Arc::ptr_eq(&self.tables, &prepared.tables)
+            && self.lights == prepared.stage.lights
+            && self.region == prepared.region
+            && self.resolution == resolution
+    }
 }
 
 impl Cache {
@@ -42,6 +64,34 @@ impl Cache {
                 grid
             }
         }
+    }
+
+    /// The light in the volume of a stage, if it asks for such: the last one, if neither lights nor what
+    /// holds them back has changed.
+    ///
+    /// # Errors
+    /// As [`LightVolume::new`].
+    pub fn lights(
+        &mut self,
+        prepared: &Prepared,
+        set: InstructionSet,
+        control: &Control,
+    ) -> Result<Option<Arc<Vec<LightVolume>>>, RenderError> {
+        let Shadows::Volume(ShadowVolume { resolution }) = prepared.stage.shadows else { return Ok(None) };
+        if *prepared.stage.mode() != Mode::Composite || !prepared.is_lit() {
+            return Ok(None);
+        }
+        if let Some((settings, lights)) = &self.lights
+            && settings.are(prepared, resolution)
+        {
+            return Ok(Some(lights.clone()));
+        }
+        let (tables, lights, region) =
+            (prepared.tables.clone(), prepared.stage.lights.clone(), prepared.region.clone());
+        let volume = |light: (usize, &ResolvedLight)| LightVolume::new(prepared, light, resolution, set, control);
+        let made: Arc<Vec<LightVolume>> = Arc::new(lights.iter().enumerate().map(volume).collect::<Result<_, _>>()?);
+        self.lights = Some((LightSettings { tables, lights, region, resolution }, made.clone()));
+        Ok(Some(made))
     }
 
     fn grids(&mut self, tables: &Arc<Tables>) -> Arc<Grids> {
@@ -121,6 +171,11 @@ impl<'s> Prepared<'s> {
         };
         let shadows = length.map(steps).transpose()?;
         Ok(Self { stage, volume, region: stage.region(volume), tables, grids, scattering, shadows })
+    }
+
+    /// Whether anything of the volume answers light.
+    pub fn is_lit(&self) -> bool {
+        self.scattering.is_some() || self.volume.material.is_some()
     }
 
     /// The grid all positions refer to.

@@ -5,6 +5,7 @@ use std::time::Instant;
 use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, Technique};
 
 use crate::RenderError;
+use crate::half_angle;
 use crate::integrator::{Integrator, Traced};
 use crate::lanes::{InstructionSet, MOST_LANES};
 use crate::packet::Packet;
@@ -107,15 +108,24 @@ fn render(
     let [volume] = stage.volumes.as_slice() else {
         return Err(RenderError::Volumes { found: stage.volumes.len() });
     };
-    if !matches!(stage.technique, Technique::RayCast(_)) {
-        return Err(RenderError::Technique { technique: stage.technique.name() });
-    }
     let started = Instant::now();
     let prepared = Prepared::new(stage, volume, cache)?;
-    let integrator = prepared.integrator(set)?;
-    let emitter = Emitter::new(stage, prepared.grid(), &prepared.region, set);
-    let drawing = Instant::now();
-    tiles.draw(control, |tile| draw_tile(stage, &emitter, integrator.as_ref(), control, tile))?;
+    let drawing = match &stage.technique {
+        Technique::RayCast(_) => {
+            let lights = cache.lights(&prepared, set, control)?;
+            let integrator = prepared.integrator(set, lights.as_ref().map(|lights| lights.as_slice()))?;
+            let emitter = Emitter::new(stage, prepared.grid(), &prepared.region, set);
+            let drawing = Instant::now();
+            tiles.draw(control, |tile| draw_tile(stage, &emitter, integrator.as_ref(), control, tile))?;
+            drawing
+        }
+        Technique::HalfAngle(settings) => {
+            let drawing = Instant::now();
+            half_angle::draw(&prepared, settings, set, control, tiles)?;
+            drawing
+        }
+        Technique::Slicing(_) => return Err(RenderError::Technique { technique: stage.technique.name() }),
+    };
     let view = &stage.viewpoint;
     if (frame.width, frame.height) != (view.width, view.height) {
         *frame = Frame::new(view.width, view.height);

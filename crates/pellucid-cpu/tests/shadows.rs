@@ -4,12 +4,13 @@ mod common;
 
 use common::{center, homogeneous, render, set_mode, stage, transfer_function, unit_volume};
 use glam::DVec3;
+use pellucid_cpu::{CpuRenderer, RenderError};
 use pellucid_field::Volume;
 use pellucid_optics::{
     Light, LightKind, LightModel, Phase, PhaseNormalization, Scattering, ShadowRays, ShadowVolume, Shadows,
     TransferFunction,
 };
-use pellucid_scene::{Classification, Isosurface, Isovalue, Mode, Orbit, Projection, Scene, Stage, View};
+use pellucid_scene::{Classification, Control, Isosurface, Isovalue, Mode, Orbit, Projection, Scene, Stage, View};
 
 /// A ball above a plate, as distances: positive inside the ball, far below -100 in the plate.
 fn ball_and_plate(plate: impl Fn(DVec3) -> bool) -> Volume {
@@ -231,4 +232,125 @@ fn shaded_samples_see_shadows() {
     assert!((bright[3] - dark[3]).abs() < 1e-6 && bright[3] > 0.99);
     let share = dark[0] / bright[0];
     assert!((share - 0.5).abs() < 0.02, "{share}");
+}
+
+/// The light from above at every height of a thin medium with an opaque plate, one voxel thick, at 40.
+fn light_around_plate(edit: impl Fn(&mut Scene)) -> Vec<(f64, f64)> {
+    let tf = transfer_function(&[(0.0, 0xffffff)], &[(1.0, 1e-4), (1.4, 1e-4), (1.4, 1.0)]);
+    let plate = |p: DVec3| if (39.5..40.5).contains(&p.z) { 2.0 } else { 1.0 };
+    let stage = stage(unit_volume([33, 17, 65], plate), tf, |scene| {
+        lit(scene, Shadows::None);
+        scene.image.width = 8;
+        scene.image.height = 256;
+        scene.camera.projection = Projection::Orthographic { height: Some(64.0) };
+        scene.quality.step = 0.25;
+        edit(scene);
+    });
+    let frame = render(&stage);
+    let heights =
+        (0..256).map(|row| (64.0 * (1.0 - (f64::from(row) + 0.5) / 256.0), frame.color[row as usize * 8 + 4]));
+    let thin = heights.filter(|(_, color)| color[3] > 1e-5 && color[3] < 0.01);
+    thin.map(|(height, [r, _, _, a])| (height, f64::from(r / a))).collect()
+}
+
+/// K-04, 6.1-2: the interpolated light volume smears light across the plate, over two of its cells at most;
+/// shadow rays and half-angle slicing do not.
+#[test]
+fn shadow_volumes_leak_and_slices_do_not() {
+    let sharp = |light: Vec<(f64, f64)>, what: &str| {
+        for (height, light) in light {
+            let expected = if height > 40.0 { 1.0 } else { 0.0 };
+            assert!((light - expected).abs() < 5e-3, "{what} at {height}: {light}");
+        }
+    };
+    sharp(light_around_plate(|scene| scene.lighting.shadows = Shadows::Rays(ShadowRays { step: 0.2 })), "rays");
+    let half_angle = pellucid_scene::HalfAngle { indirect: 0.0, ..Default::default() };
+    let slices = light_around_plate(|scene| scene.technique = pellucid_scene::Technique::HalfAngle(half_angle.clone()));
+    // A slice is lit in front of it, and a slice's depth here is less than half a voxel.
+    sharp(slices.into_iter().filter(|(height, _)| (height - 40.0).abs() > 1.0).collect(), "slices");
+    for resolution in [1.0, 0.5, 0.25] {
+        let volume = Shadows::Volume(ShadowVolume { resolution });
+        let light = light_around_plate(|scene| scene.lighting.shadows = volume);
+        let cell = 1.0 / resolution;
+        let between = |&&(_, light): &&(f64, f64)| (0.01..0.99).contains(&light);
+        let band: Vec<f64> = light.iter().filter(between).map(|(height, _)| *height).collect();
+        let (low, high) = band.iter().fold((f64::INFINITY, 0.0f64), |(low, high), at| (low.min(*at), high.max(*at)));
+        println!("resolution {resolution}: light leaks from {low} to {high}, {:.2} cells", (high - low) / cell);
+        assert!(high - low > 0.5 * cell, "no leak at {resolution}: {low} to {high}");
+        // The plate itself is a voxel thick, and half-transparent at its faces.
+        assert!(high - low < 2.0 * cell + 1.0, "{resolution}: {low} to {high}");
+        for (height, light) in light {
+            assert!(height > 40.0 - cell - 1.0 || light < 0.01, "{resolution}: {light} behind, at {height}");
+            assert!(height < 40.0 + cell + 1.0 || light > 0.98, "{resolution}: {light} in front, at {height}");
+        }
+    }
+}
+
+/// At the resolution of the data the light volume shows what rays find, for any light and clips.
+#[test]
+fn shadow_volumes_approach_rays() {
+    let point = LightKind::Point { position: [70.0, -10.0, 90.0], falloff: Default::default() };
+    let tf = || transfer_function(&[(0.0, 0xffffff)], &[(-20.0, 0.0), (0.0, 0.02), (12.0, 0.2)]);
+    let lights = [LightKind::Directional { direction: [0.5, 0.6, -1.0] }, point];
+    for light in lights {
+        let draw = |shadows| {
+            let ball = unit_volume([48; 3], |p| 12.0 - (p - DVec3::new(24.0, 22.0, 26.0)).length());
+            render(&stage(ball, tf(), |scene| {
+                lit(scene, shadows);
+                scene.lighting.lights =
+                    vec![Light::new(light), Light::new(LightKind::Directional { direction: [-1.0, 0.1, 0.3] })];
+                scene.clips = vec![pellucid_scene::Clip::Plane { point: [24.0; 3], normal: [0.3, -1.0, 0.5] }];
+                scene.image.width = 40;
+                scene.image.height = 40;
+            }))
+        };
+        let exact = draw(Shadows::Rays(ShadowRays { step: 0.25 }));
+        let plain = draw(Shadows::None);
+        let error = |frame: &pellucid_scene::Frame| {
+            let pairs = frame.color.iter().zip(&exact.color);
+            (pairs.map(|(a, b)| f64::from(a[0] - b[0]).powi(2)).sum::<f64>() / 1600.0).sqrt()
+        };
+        let found = [2.0, 1.0, 0.5].map(|resolution| error(&draw(Shadows::Volume(ShadowVolume { resolution }))));
+        println!("{found:?}, without shadows {}", error(&plain));
+        assert!(found[0] < 4e-3 && found[1] < 8e-3 && found[2] < 2e-2 && found[0] < found[2], "{found:?}");
+        assert!(error(&plain) > 0.2);
+    }
+}
+
+/// What is kept from frame to frame is of this light, transfer function and volume (6.0-2): whatever changes, a
+/// fresh renderer draws the same bits.
+#[test]
+fn light_that_is_kept_is_this_light() {
+    let mut kept = CpuRenderer::new();
+    for (round, shadows) in [Shadows::Volume(ShadowVolume::default()), Shadows::Rays(ShadowRays::default())]
+        .into_iter()
+        .flat_map(|shadows| (0..5).map(move |round| (round, shadows)))
+    {
+        let opacity = if round == 2 { 0.3 } else { 0.1 };
+        let ball = unit_volume([24; 3], |p| 6.0 - (p - DVec3::splat(if round == 3 { 9.0 } else { 12.0 })).length());
+        let tf = transfer_function(&[(0.0, 0xffffff)], &[(-4.0, 0.0), (6.0, opacity)]);
+        let stage = stage(ball, tf, |scene| {
+            lit(scene, shadows);
+            if round == 1 {
+                scene.lighting.lights = vec![Light::new(LightKind::Directional { direction: [1.0, 0.2, 0.0] })];
+            }
+            if round == 4 {
+                scene.clips = vec![pellucid_scene::Clip::Plane { point: [12.0; 3], normal: [0.0, 0.0, 1.0] }];
+            }
+        });
+        let drawn = kept.render(&stage, &Control::default()).unwrap();
+        assert!(drawn.color == render(&stage).color, "round {round}");
+    }
+}
+
+/// A light in the volume has no slabs that it shines through in one order.
+#[test]
+fn a_shadow_volume_needs_lights_outside() {
+    let stage = stage(unit_volume([8; 3], |_| 1.0), homogeneous(0.1), |scene| {
+        lit(scene, Shadows::Volume(ShadowVolume::default()));
+        let position = [4.0; 3];
+        scene.lighting.lights.push(Light::new(LightKind::Point { position, falloff: Default::default() }));
+    });
+    let error = CpuRenderer::new().render(&stage, &Control::default()).unwrap_err();
+    assert_eq!(error, RenderError::LightInside { light: 1 });
 }

@@ -2,6 +2,7 @@
 
 mod media;
 mod surfaces;
+mod volume;
 
 use glam::DVec3;
 use pellucid_optics::{LightShape, ResolvedLight};
@@ -13,6 +14,7 @@ use crate::prepare::Prepared;
 
 pub use media::Media;
 pub use surfaces::Surfaces;
+pub use volume::{LightVolume, LightVolumes};
 
 /// Something that holds light back.
 pub trait Shadow<S: Lanes>: Sync {
