@@ -17,6 +17,7 @@ mod isosurface;
 mod lanes;
 mod modes;
 mod packet;
+mod path_trace;
 mod prepare;
 mod projection;
 mod rays;

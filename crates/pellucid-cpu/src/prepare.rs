@@ -18,7 +18,8 @@ use crate::skip::{ExtremeGrid, Levels, SkipGrid};
 /// What is kept from frame to frame.
 #[derive(Default)]
 pub struct Cache {
-    tables: TableCache,
+    /// Tables and blocks of the data.
+    pub tables: TableCache,
     grids: Option<(Arc<Tables>, Arc<Grids>)>,
     extremes: Option<(Arc<Vec<f32>>, Arc<ExtremeGrid>)>,
     lights: Option<(LightSettings, Arc<Vec<LightVolume>>)>,

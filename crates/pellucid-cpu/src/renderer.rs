@@ -9,6 +9,7 @@ use crate::half_angle;
 use crate::integrator::{Integrator, Traced};
 use crate::lanes::{InstructionSet, MOST_LANES};
 use crate::packet::Packet;
+use crate::path_trace::PathTracer;
 use crate::prepare::{Cache, Prepared};
 use crate::rays::Emitter;
 use crate::tiles::{TILE, Tile, Tiles};
@@ -109,23 +110,31 @@ fn render(
         return Err(RenderError::Volumes { found: stage.volumes.len() });
     };
     let started = Instant::now();
-    let prepared = Prepared::new(stage, volume, cache)?;
-    let drawing = match &stage.technique {
+    let drawing;
+    let mut rays_per_pixel = stage.quality.supersampling.pow(2);
+    match &stage.technique {
         Technique::RayCast(_) => {
+            let prepared = Prepared::new(stage, volume, cache)?;
             let lights = cache.lights(&prepared, set, control)?;
             let integrator = prepared.integrator(set, lights.as_ref().map(|lights| lights.as_slice()))?;
             let emitter = Emitter::new(stage, prepared.grid(), &prepared.region, set);
-            let drawing = Instant::now();
+            drawing = Instant::now();
             tiles.draw(control, |tile| draw_tile(stage, &emitter, integrator.as_ref(), control, tile))?;
-            drawing
         }
         Technique::HalfAngle(settings) => {
-            let drawing = Instant::now();
+            let prepared = Prepared::new(stage, volume, cache)?;
+            drawing = Instant::now();
             half_angle::draw(&prepared, settings, set, control, tiles)?;
-            drawing
+        }
+        Technique::PathTrace(settings) => {
+            let tracer = PathTracer::new(stage, volume, settings, &mut cache.tables)?;
+            let drawer = tracer.drawer()?;
+            drawing = Instant::now();
+            rays_per_pixel = settings.samples;
+            tiles.draw(control, |tile| drawer.draw(tile, control))?;
         }
         Technique::Slicing(_) => return Err(RenderError::Technique { technique: stage.technique.name() }),
-    };
+    }
     let view = &stage.viewpoint;
     if (frame.width, frame.height) != (view.width, view.height) {
         *frame = Frame::new(view.width, view.height);
@@ -133,7 +142,7 @@ fn render(
     tiles.assemble(frame);
     let (tally, rays_hit) = tiles.total();
     frame.statistics = FrameStatistics {
-        rays: (view.width * view.height) as u64 * u64::from(stage.quality.supersampling).pow(2),
+        rays: (view.width * view.height) as u64 * u64::from(rays_per_pixel),
         rays_hit,
         rays_terminated: tally.terminated,
         samples: tally.samples,

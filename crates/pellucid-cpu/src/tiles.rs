@@ -26,6 +26,7 @@ pub struct Tile {
     depth: Vec<f32>,
     normal: Vec<[f32; 3]>,
     samples: Vec<u32>,
+    noise: Vec<f32>,
     /// Counts of its rays.
     pub tally: Tally,
     /// Rays that met the volume.
@@ -54,7 +55,14 @@ impl Tile {
         self.normal.resize(n, [0.0; 3]);
         self.samples.clear();
         self.samples.resize(n, 0);
+        self.noise.clear();
+        self.noise.resize(n, 0.0);
         (self.tally, self.hit) = (Tally::default(), 0);
+    }
+
+    /// Notes the standard error of a pixel's luminance.
+    pub fn set_noise(&mut self, x: usize, y: usize, noise: f32) {
+        self.noise[y * self.width + x] = noise;
     }
 
     /// Adds what one ray found to its pixel: its share of the colour, and its surface if it is the
@@ -142,16 +150,18 @@ impl Tiles {
         let depth = frame.depth.par_chunks_mut(band);
         let normal = frame.normal.par_chunks_mut(band);
         let samples = frame.samples.par_chunks_mut(band);
+        let noise = frame.noise.par_chunks_mut(band);
         let tiles = self.tiles[..self.count].par_chunks(columns);
-        tiles.zip(color).zip(depth).zip(normal).zip(samples).for_each(
-            |((((tiles, color), depth), normal), samples)| {
+        tiles.zip(color).zip(depth).zip(normal).zip(samples).zip(noise).for_each(
+            |(((((tiles, color), depth), normal), samples), noise)| {
                 for (tile, row) in tiles.iter().flat_map(|tile| (0..tile.height).map(move |row| (tile, row))) {
                     let (from, to) = (row * tile.width, row * width + tile.x);
                     let (from, to) = (from..from + tile.width, to..to + tile.width);
                     color[to.clone()].copy_from_slice(&tile.color[from.clone()]);
                     depth[to.clone()].copy_from_slice(&tile.depth[from.clone()]);
                     normal[to.clone()].copy_from_slice(&tile.normal[from.clone()]);
-                    samples[to].copy_from_slice(&tile.samples[from]);
+                    samples[to.clone()].copy_from_slice(&tile.samples[from.clone()]);
+                    noise[to].copy_from_slice(&tile.noise[from]);
                 }
             },
         );

@@ -5,7 +5,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pellucid_field::Volume;
-use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, StageVolume, TableCache, Tables};
+use pellucid_optics::{LightModel, Shadows};
+use pellucid_scene::{
+    Control, Frame, FrameStatistics, Mode, RenderWarning, Stage, StageVolume, TableCache, Tables, Technique,
+};
 
 use crate::bricks::Brick;
 use crate::device::Device;
@@ -93,6 +96,26 @@ impl GpuRenderer {
             uploads: None,
             resident: None,
             next: Frame::default(),
+        }
+    }
+
+    /// Whether this backend has all that a stage asks for: its technique, and how its light travels.
+    pub fn draws(stage: &Stage) -> bool {
+        Self::lacks(stage).is_none()
+    }
+
+    /// What a stage asks for and this backend does not have, if anything.
+    fn lacks(stage: &Stage) -> Option<String> {
+        let lit = matches!(stage.mode(), Mode::Composite | Mode::Isosurface(_));
+        match &stage.technique {
+            Technique::PathTrace(_) | Technique::HalfAngle(_) => Some(stage.technique.name().to_owned()),
+            Technique::RayCast(_) if lit && stage.shadows != Shadows::None => {
+                Some(format!("lighting.shadows = {}", stage.shadows.name()))
+            }
+            Technique::RayCast(_) if lit && stage.light_model == LightModel::Scattering => {
+                Some("lighting.model = scattering".to_owned())
+            }
+            Technique::RayCast(_) | Technique::Slicing(_) => None,
         }
     }
 
@@ -195,6 +218,9 @@ impl GpuRenderer {
         let [volume] = stage.volumes.as_slice() else {
             return Err(GpuError::Volumes { found: stage.volumes.len() });
         };
+        if let Some(what) = Self::lacks(stage) {
+            return Err(GpuError::Unsupported { what });
+        }
         check_steps(stage, volume)?;
         let tables = self.tables.tables(stage, volume)?;
         let sources = Source::of(&self.device, volume, &tables, stage);

@@ -45,7 +45,7 @@ impl Lighting {
     }
 
     /// No light at all.
-    pub fn dark() -> Self {
+    pub const fn dark() -> Self {
         Self { lights: Vec::new(), ambient: 0.0, shadows: Shadows::None, model: LightModel::Surface }
     }
 }

@@ -135,6 +135,11 @@ impl Scattering {
         self.transport.as_ref().map(|points| color(points, value))
     }
 
+    /// Whether any sample may be a surface.
+    pub fn has_surfaces(&self) -> bool {
+        self.surface != SurfaceShare::None
+    }
+
     /// The part of a sample that is a surface, at a data value and gradient magnitude (data units per
     /// world unit).
     #[inline]

@@ -3,7 +3,8 @@
 use glam::DAffine3;
 use pellucid_field::{Filter, Gradient};
 use pellucid_optics::{
-    ColorMap, GradientWeight, Light, LightKind, Material, OpticsError, Preset, Scattering, Shadows, opacity_shape,
+    ColorMap, Environment, GradientWeight, Light, LightKind, Material, OpticsError, Preset, Scattering, Shadows,
+    opacity_shape,
 };
 
 use crate::Invalid;
@@ -77,6 +78,16 @@ pub(crate) fn scattering(path: &str, scattering: &Scattering) -> Checked {
         }
         _ => invalid(path, key, &error),
     })
+}
+
+/// An environment is not darker than dark.
+pub(crate) fn environment(path: &str, environment: &Environment) -> Checked {
+    let key = match environment {
+        Environment::Dark => "",
+        Environment::Constant { .. } => "constant.intensity",
+        Environment::Gradient { .. } => "gradient.intensity",
+    };
+    environment.validate().map_err(|error| invalid(path, key, error))
 }
 
 /// Parameters of a filter are within their ranges.

@@ -19,6 +19,8 @@ pub struct Frame {
     pub normal: Vec<[f32; 3]>,
     /// Field samples taken for the pixel, gradient taps not counted.
     pub samples: Vec<u32>,
+    /// Standard error of the pixel's luminance where it is a mean of random samples, else zero.
+    pub noise: Vec<f32>,
     /// Totals.
     pub statistics: FrameStatistics,
     /// What the user should know.
@@ -105,6 +107,7 @@ impl Frame {
         fill(&mut self.depth, n, f32::INFINITY);
         fill(&mut self.normal, n, [0.0; 3]);
         fill(&mut self.samples, n, 0);
+        fill(&mut self.noise, n, 0.0);
         self.statistics = FrameStatistics::default();
         self.warnings.clear();
     }

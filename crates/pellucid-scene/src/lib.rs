@@ -45,5 +45,5 @@ pub use strides::SAMPLES_PER_LOOK;
 pub use tables::{TableCache, TableError, Tables};
 pub use technique::{
     BlendOrder, BlurJitter, BlurScaling, ColorWeight, Combine, Correction, HalfAngle, InScatter, Isosurface, Isovalue,
-    LightCorrection, Mode, Proxy, RayCast, Slice, SliceGeometry, SliceTarget, Slicing, Technique,
+    LightCorrection, Majorants, Mode, PathTrace, Proxy, RayCast, Slice, SliceGeometry, SliceTarget, Slicing, Technique,
 };

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{Classification, Mode, Region, Slice, Stage, StageVolume};
+use crate::{Classification, Mode, Region, Slice, Stage, StageVolume, Technique};
 
 impl Stage {
     /// What is made of the samples.
@@ -12,7 +12,8 @@ impl Stage {
 
     /// Whether voxels are classified and their colours interpolated (4.2).
     pub fn classifies_voxels(&self) -> bool {
-        matches!(self.mode(), Mode::Composite) && self.quality.classification == Classification::Pre
+        let asked = self.quality.classification == Classification::Pre;
+        asked && matches!(self.mode(), Mode::Composite) && !matches!(self.technique, Technique::PathTrace(_))
     }
 
     /// The clips of a volume and, for a thick slice, the planes of its slab.

@@ -86,6 +86,20 @@ impl TableCache {
         }
     }
 
+    /// Blocks that bound every value of the field that `tables` classify; `None` if the filter leaves the
+    /// range of its voxels too far for them to tell anything.
+    ///
+    /// # Errors
+    /// [`TableError::Field`] if there is no such component.
+    pub fn ranges(
+        &mut self,
+        stage: &Stage,
+        volume: &StageVolume,
+        tables: &Tables,
+    ) -> Result<Option<Arc<Blocks>>, TableError> {
+        Ok(bounds(stage, volume, (&tables.field, tables.component, tables.filter), self)?)
+    }
+
     fn blocks(&mut self, volume: &Arc<Volume>, component: usize, margin: Margin) -> Result<Arc<Blocks>, FieldError> {
         match &self.blocks {
             Some((v, c, m, blocks)) if Arc::ptr_eq(v, volume) && *c == component && *m == margin => Ok(blocks.clone()),

@@ -134,6 +134,19 @@ fn toml_errors_point_at_their_line() {
             "[[volumes]]\nsource = 'memory'\n[volumes.material]\ndiffuse = 0.5\n@shininess = 0\n",
             &["volumes[0].material.shininess", "1 to 1000"],
         ),
+        ("[technique.path_trace]\n@samples = 0\n", &["technique.path_trace.samples: found 0, expected 1 to 1048576"]),
+        (
+            "[technique.path_trace]\nsamples = 1\n@noise = 2\n",
+            &["technique.path_trace.noise: found 2, expected 0 to 1"],
+        ),
+        (
+            "[technique.path_trace]\n@aperture = -1\n",
+            &["technique.path_trace.aperture: found -1, expected 0 or a length"],
+        ),
+        (
+            "[technique.path_trace.environment.constant]\ncolor = '#ffffff'\n@intensity = -1\n",
+            &["technique.path_trace.environment.constant.intensity", "-1", "0 or more"],
+        ),
         (
             "[[volumes]]\nsource = 'memory'\n[volumes.scattering.phase.henyey_greenstein]\n@g = 1\n",
             &["volumes[0].scattering.phase.henyey_greenstein.g", "1", "-0.99 to 0.99"],

@@ -280,7 +280,35 @@ fn technique() -> impl Strategy<Value = Technique> {
     prop_oneof![
         3 => mode.prop_map(|mode| Technique::RayCast(RayCast { mode })),
         1 => half_angle().prop_map(Technique::HalfAngle),
+        1 => path_trace().prop_map(Technique::PathTrace),
     ]
+}
+
+fn path_trace() -> impl Strategy<Value = PathTrace> {
+    let environment = prop_oneof![
+        Just(Environment::Dark),
+        (color(), 0.0f32..9.0).prop_map(|(color, intensity)| Environment::Constant { color, intensity }),
+        (color(), color(), 0.0f32..9.0).prop_map(|(top, bottom, intensity)| Environment::Gradient {
+            top,
+            bottom,
+            intensity
+        }),
+    ];
+    let majorants = select(vec![Majorants::Local, Majorants::Global]);
+    let lens = (prop_oneof![Just(0.0), length()], of(length()));
+    (1u32..=1 << 20, 0u32..=100_000, 0.0f32..=1.0, environment, lens, any::<u32>(), 0u32..=100_000, majorants).prop_map(
+        |(samples, bounces, noise, environment, (aperture, focus), seed, roulette, majorants)| PathTrace {
+            samples,
+            bounces,
+            noise,
+            environment,
+            aperture,
+            focus,
+            seed,
+            roulette,
+            majorants,
+        },
+    )
 }
 
 fn quality() -> impl Strategy<Value = Quality> {

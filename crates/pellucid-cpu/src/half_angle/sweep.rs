@@ -187,15 +187,15 @@ impl<'a, S: Lanes> Sweep<'a, S> {
             Ok::<_, RenderError>(())
         })?;
         for slab in run.clone() {
-            stop()?;
-            self.pass_slab(slab, slab - run.start);
+            self.pass_slab(slab, slab - run.start, &cancelled);
         }
+        stop()?;
         // A short run is the last one: what is behind it is where the next would look for it.
         self.buffers.swap(run.len(), last);
         Ok(())
     }
 
-    fn pass_slab(&mut self, slab: usize, number: usize) {
+    fn pass_slab(&mut self, slab: usize, number: usize, cancelled: &(impl Fn() -> bool + Sync)) {
         let Self { settings, matter, bands, buffers, presence, touched, needed, reach, .. } = self;
         let offsets = taps::offsets(settings, slab);
         if let Some(presence) = presence {
@@ -230,7 +230,8 @@ impl<'a, S: Lanes> Sweep<'a, S> {
             .map(|(band, rows)| {
                 let pass = |tile: usize| {
                     let before = touched[band * tiles + tile];
-                    let asked = slab <= needed[band * tiles + tile]
+                    let asked = !cancelled()
+                        && slab <= needed[band * tiles + tile]
                         && (everywhere || bands[band].holds(number, tile) || is_touched(band, tile));
                     (asked && step.pass(light, rows, &bands[band], [band * BAND, tile])) || before
                 };

@@ -46,7 +46,7 @@ fn slices_lie_halfway() {
         let axis = slice_axis(view, light);
         assert!(axis.dot(light) >= 0.7071 && (axis.dot(view).abs() - axis.dot(light)).abs() < 1e-9);
         assert_eq!(axis.dot(view) >= 0.0, view.dot(light) >= 0.0);
-        assert_eq!(along_light(axis, light, &[light]), axis);
+        assert!(along_light(axis, light, &[light]).distance(axis) < 1e-12);
         // Rays of a near light may travel against the slices halfway; never against those they lean to.
         let rays = [0, 1, 2].map(|_| (light + direction(&mut random) * 0.9).normalize());
         let leaning = along_light(axis, light, &rays);
@@ -161,23 +161,24 @@ fn light_falls_with_the_way_it_came() {
         let axis = slice_axis(stage.viewpoint.forward, prepared_axis);
         let thickness = stage.step * axis.dot(stage.viewpoint.forward).abs();
         let path = thickness / axis.dot(prepared_axis);
-        let steps: Vec<&Vec<f32>> = middle.0.iter().filter(|light| light[0] < 1.0 && light[0] > 1e-3).collect();
-        assert!(steps.len() > 30, "{}", steps.len());
-        for pair in steps.windows(2).take(steps.len() - 3) {
-            let expected = 0.95f64.powf(path);
-            let found = f64::from(pair[1][0] / pair[0][0]);
-            // The first and the last are shorter.
-            assert!((found - expected).abs() < 1e-5 || found > expected, "{light:?}: {found}, exact {expected}");
+        let share = |pair: &[Vec<f32>], plane: usize| f64::from(pair[1][plane] / pair[0][plane]);
+        // Where the texel's ray enters and leaves, its way is shorter, and nothing before and behind.
+        let (mut whole, mut parts) = (0, 0);
+        for pair in middle.0.windows(2).filter(|pair| pair[1][0] > 1e-3) {
+            let exact = 0.95f64.powf(path);
+            let found = share(pair, 0);
+            if (found - exact).abs() > 1e-5 {
+                assert!(found > exact && found <= 1.0, "{light:?}: {found}, exact {exact}");
+                parts += usize::from(found < 1.0);
+                continue;
+            }
+            whole += 1;
             for channel in 0..3 {
-                let expected = f64::from(through[channel]).powf(path);
-                let found = f64::from(pair[1][channel + 1] / pair[0][channel + 1]);
-                assert!((found - expected).abs() < 3e-5 || found > expected, "{light:?}: {found}, exact {expected}");
+                let (exact, found) = (f64::from(through[channel]).powf(path), share(pair, channel + 1));
+                assert!((found - exact).abs() < 3e-5, "{light:?}: {found}, exact {exact}");
             }
         }
-        let total = steps.len() - 1;
-        let (first, last) = (f64::from(steps[0][0]), f64::from(steps[total - 2][0]));
-        let exact = 0.95f64.powf(path * (total - 2) as f64);
-        assert!((last / first - exact).abs() < 1e-4 * exact.max(0.01), "{light:?}: {} and {exact}", last / first);
+        assert!(whole > 30 && parts <= 2, "{light:?}: {whole} whole slabs, {parts} parts");
     }
 }
 

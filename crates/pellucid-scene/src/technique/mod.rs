@@ -7,9 +7,11 @@ use serde::{Deserialize, Serialize};
 use crate::check::{Checked, direction, finite, require};
 
 mod half_angle;
+mod path_trace;
 mod slicing;
 
 pub use half_angle::{BlurJitter, BlurScaling, HalfAngle, InScatter, LightCorrection};
+pub use path_trace::{Majorants, PathTrace};
 pub use slicing::{BlendOrder, ColorWeight, Correction, Proxy, SliceGeometry, SliceTarget, Slicing};
 
 /// The technique that draws the scene.
@@ -20,8 +22,11 @@ pub enum Technique {
     RayCast(RayCast),
     /// Slices through the volume, blended in their order (chapter 3). On graphics processors.
     Slicing(Slicing),
-    /// Slices halfway between light and eye, through which light travels (section 6.3). Composites.
+    /// Slices halfway between light and eye, through which light travels (section 6.3). On the processor.
     HalfAngle(HalfAngle),
+    /// Random paths of light through the volume, with all their scatterings: what other techniques
+    /// approximate. On the processor.
+    PathTrace(PathTrace),
 }
 
 impl Default for Technique {
@@ -120,16 +125,16 @@ impl Technique {
         match self {
             Self::RayCast(RayCast { mode }) => mode,
             Self::Slicing(Slicing { mode, .. }) => mode,
-            Self::HalfAngle(_) => &Mode::Composite,
+            Self::HalfAngle(_) | Self::PathTrace(_) => &Mode::Composite,
         }
     }
 
-    /// What becomes of the samples, to be changed; `None` for techniques that do but one thing with them.
+    /// What becomes of the samples, to be changed; `None` if the technique has no choice.
     pub fn mode_mut(&mut self) -> Option<&mut Mode> {
         match self {
             Self::RayCast(RayCast { mode }) => Some(mode),
             Self::Slicing(Slicing { mode, .. }) => Some(mode),
-            Self::HalfAngle(_) => None,
+            Self::HalfAngle(_) | Self::PathTrace(_) => None,
         }
     }
 
@@ -139,6 +144,7 @@ impl Technique {
             Self::RayCast(_) => "ray_cast",
             Self::Slicing(_) => "slicing",
             Self::HalfAngle(_) => "half_angle",
+            Self::PathTrace(_) => "path_trace",
         }
     }
 
@@ -148,6 +154,7 @@ impl Technique {
             Self::RayCast(_) => {}
             Self::Slicing(slicing) => slicing.check(&path)?,
             Self::HalfAngle(half_angle) => half_angle.check(&path)?,
+            Self::PathTrace(path_trace) => path_trace.check(&path)?,
         }
         self.mode().check(&format!("{path}.mode"))
     }

@@ -34,7 +34,8 @@ pub struct CompareArgs {
     /// A volume file, a scene (.toml, .json), or a built-in field as sample:NAME
     input: Input,
     /// Techniques to draw with, the reference first: ray-cast, view-aligned, object-aligned, multi-texture,
-    /// shells; each may say where, as ray-cast@cpu or ray-cast@gpu [default: the scene's own]
+    /// shells, path-trace, half-angle, shadow-rays, shadow-volume (the last two cast rays); each may say
+    /// where, as ray-cast@cpu or ray-cast@gpu [default: the scene's own]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     techniques: Vec<Rendition>,
     /// One more picture, of the first technique with these settings (as --set takes them, separated by
@@ -85,12 +86,16 @@ struct Rendition {
 }
 
 /// The techniques by name, and what makes a scene theirs; nothing if it may be one already.
-const TECHNIQUES: [(&str, &str); 5] = [
+const TECHNIQUES: [(&str, &str); 9] = [
     ("ray-cast", ""),
     ("view-aligned", "technique.slicing.geometry=view_aligned"),
     ("object-aligned", "technique.slicing.geometry=object_aligned"),
     ("multi-texture", "technique.slicing.geometry=multi_texture"),
     ("shells", "technique.slicing.geometry=shells"),
+    ("path-trace", "technique.path_trace.seed=0"),
+    ("half-angle", "technique.half_angle.seed=0"),
+    ("shadow-rays", "technique.ray_cast.mode=composite; lighting.model=scattering; lighting.shadows.rays.step=1"),
+    ("shadow-volume", "technique.ray_cast.mode=composite; lighting.model=scattering; lighting.shadows.volume.resolution=0.5"),
 ];
 
 impl FromStr for Rendition {

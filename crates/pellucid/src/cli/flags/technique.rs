@@ -1,7 +1,7 @@
 //! What becomes of the samples along a ray.
 
 use pellucid::scene::{
-    Camera, Combine, Isosurface, Isovalue, Mode, Orbit, Projection, Scene, Slice, StageVolume, Technique, View,
+    Camera, Combine, Isosurface, Isovalue, Mode, Orbit, Projection, Scene, Slice, StageVolume, View,
 };
 
 use crate::cli::failure::Failure;
@@ -68,12 +68,22 @@ enum Position {
 impl TechniqueFlags {
     /// `face`: whether the camera may be turned towards a slice.
     pub fn apply(&self, scene: &mut Scene, face: bool) -> Result<(), Failure> {
-        let slice_flags = self.at.is_some() || self.thickness.is_some() || self.combine.is_some();
-        let given = self.mode.is_some() || !self.iso.is_empty() || self.slice.is_some() || slice_flags;
-        if given && scene.technique.mode_mut().is_none() {
-            scene.technique = Technique::default();
-        }
-        let Some(mode) = scene.technique.mode_mut() else { return Ok(()) };
+        let technique = scene.technique.name();
+        let Some(mode) = scene.technique.mode_mut() else {
+            let flags = [
+                (self.mode.is_some(), "--mode"),
+                (!self.iso.is_empty(), "--iso"),
+                (self.slice.is_some(), "--slice"),
+                (self.at.is_some(), "--at"),
+                (self.thickness.is_some(), "--thickness"),
+                (self.combine.is_some(), "--combine"),
+            ];
+            let given = flags.into_iter().find(|(given, _)| *given);
+            return given.map_or(Ok(()), |(_, flag)| {
+                let message = format_args!("{flag} has no meaning for {technique}, which the scene asks for");
+                Err(Failure::input(message).hint("add --set technique.ray_cast.mode=composite"))
+            });
+        };
         if let Some(given) = &self.mode {
             *mode = given.clone();
         }

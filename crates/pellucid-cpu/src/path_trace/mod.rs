@@ -1,0 +1,142 @@
+//! The path tracer: the equation of transfer by random paths, free of bias.
+//!
+//! A path starts at the eye and collides with the medium as light would (`medium`), between bounds of
+//! the extinction for each block of the data (`majorants`). There it is scattered by the phase function
+//! or reflected by a surface (`vertex`), and one light, or the sky, is asked for what comes from it
+//! (`path`). Every path has random numbers of its own (`random`), and every pixel its paths in one
+//! order: the picture is the same to the bit for any number of threads and any tiles.
+
+mod extinction;
+mod lens;
+mod majorants;
+mod medium;
+mod path;
+mod pixel;
+mod random;
+mod values;
+mod vertex;
+
+use std::sync::Arc;
+
+use pellucid_field::{Blocks, ComponentView, Gradient, Sampler, Voxels};
+use pellucid_optics::Visibility;
+use pellucid_scene::{Control, Jitter, PathTrace, Region, Stage, StageVolume, TableCache, Tables};
+
+use crate::RenderError;
+use crate::field::Probe;
+use crate::tiles::Tile;
+use extinction::Extinctions;
+use lens::Lens;
+use majorants::Majorants;
+use medium::{Medium, Space};
+use path::World;
+use values::{Any, Trilinear, Values};
+
+/// A stage, made ready for its paths.
+pub struct PathTracer<'s> {
+    stage: &'s Stage,
+    volume: &'s StageVolume,
+    settings: &'s PathTrace,
+    region: Region,
+    tables: Arc<Tables>,
+    majorants: Majorants,
+}
+
+/// Draws tiles.
+pub trait Draw: Sync {
+    /// Draws a tile.
+    ///
+    /// # Errors
+    /// [`RenderError::Cancelled`].
+    fn draw(&self, tile: &mut Tile, control: &Control) -> Result<(), RenderError>;
+}
+
+impl<'s> PathTracer<'s> {
+    /// Makes tables and bounds, or finds them in the cache.
+    ///
+    /// # Errors
+    /// [`RenderError::Optics`] if the data's range cannot be tabulated, [`RenderError::Field`] for a
+    /// filter out of range.
+    pub fn new(
+        stage: &'s Stage,
+        volume: &'s StageVolume,
+        settings: &'s PathTrace,
+        cache: &mut TableCache,
+    ) -> Result<Self, RenderError> {
+        let tables = cache.tables(stage, volume)?;
+        let ranges: Option<Arc<Blocks>> = match settings.majorants {
+            pellucid_scene::Majorants::Local => cache.ranges(stage, volume, &tables)?,
+            pellucid_scene::Majorants::Global => None,
+        };
+        let extinctions = Extinctions::new(&tables.table, volume.unit_distance());
+        let visibility = Visibility::of_table(&tables.table);
+        let majorants = Majorants::new(ranges.as_deref(), &extinctions, &visibility);
+        Ok(Self { stage, volume, settings, region: stage.region(volume), tables, majorants })
+    }
+
+    /// What draws. Trilinear fields of the types most data have are compiled into the loops.
+    ///
+    /// # Errors
+    /// [`RenderError::Field`] for a filter out of range.
+    pub fn drawer(&self) -> Result<Box<dyn Draw + '_>, RenderError> {
+        let Tables { field, component, filter, .. } = &*self.tables;
+        let sampler = || Sampler::new(field, *component, *filter);
+        if *filter == pellucid_field::Filter::Linear {
+            macro_rules! typed {
+                ($data:expr) => {
+                    if let Some(values) = Trilinear::new(ComponentView::new(field, $data, *component)) {
+                        return Ok(self.paths(values, sampler()?));
+                    }
+                };
+            }
+            match field.voxels() {
+                Voxels::U8(data) => typed!(data),
+                Voxels::U16(data) => typed!(data),
+                Voxels::I16(data) => typed!(data),
+                Voxels::F32(data) => typed!(data),
+                _ => {}
+            }
+        }
+        let (low, high) = self.volume.volume.grid().index_bounds();
+        Ok(self.paths(Any { sampler: sampler()?, bounds: [low.as_vec3(), high.as_vec3()] }, sampler()?))
+    }
+
+    fn paths<'a, F: Values + 'a>(&'a self, field: F, sampler: Sampler<'a>) -> Box<dyn Draw + 'a> {
+        let grid = self.volume.volume.grid();
+        let seed = match self.stage.quality.jitter {
+            Jitter::Centered => 0,
+            // Frames to be averaged differ by it.
+            Jitter::BlueNoise { seed } => seed.wrapping_add(1),
+        };
+        let gradient: Gradient = self.stage.quality.gradient;
+        Box::new(Paths {
+            lens: Lens::new(&self.stage.viewpoint, self.settings),
+            width: self.stage.viewpoint.width,
+            seeds: [self.settings.seed, seed],
+            world: World {
+                medium: Medium {
+                    field,
+                    space: Space::new(grid, &self.region),
+                    extinctions: Extinctions::new(&self.tables.table, self.volume.unit_distance()),
+                    majorants: &self.majorants,
+                },
+                probe: Probe::new(sampler, grid, &self.region, gradient),
+                table: &self.tables.table,
+                scattering: &self.volume.scattering,
+                material: self.volume.material.as_ref(),
+                lights: &self.stage.lights,
+                sky: self.settings.environment.resolve(),
+                settings: self.settings,
+            },
+        })
+    }
+}
+
+/// The paths of a picture.
+struct Paths<'a, F> {
+    world: World<'a, F>,
+    lens: Lens,
+    /// Of the picture.
+    width: usize,
+    seeds: [u32; 2],
+}

@@ -1,0 +1,167 @@
+//! One path of light, followed from the eye.
+
+use glam::Vec3;
+use pellucid_field::Sampler;
+use pellucid_optics::{LightShape, Material, Reflection, ResolvedLight, Scattering, Sky, Table};
+use pellucid_scene::{PathTrace, Ray};
+
+use super::medium::{Flight, Medium};
+use super::random::Random;
+use super::values::Values;
+use super::vertex::{Vertex, scale};
+use crate::field::Probe;
+
+/// Everything that paths meet.
+pub struct World<'a, F> {
+    /// The medium.
+    pub medium: Medium<'a, F>,
+    /// For normals.
+    pub probe: Probe<'a, Sampler<'a>>,
+    /// Colours by data value.
+    pub table: &'a Table,
+    /// How the medium scatters.
+    pub scattering: &'a Scattering,
+    /// How surfaces in it reflect, if there are any.
+    pub material: Option<&'a Material>,
+    /// Lights of no extent.
+    pub lights: &'a [ResolvedLight],
+    /// Light from far away.
+    pub sky: Option<Sky>,
+    /// Most scatterings, and when paths may end before.
+    pub settings: &'a PathTrace,
+}
+
+/// What a path brought.
+pub struct Found {
+    /// Linear RGB radiance.
+    pub radiance: [f32; 3],
+    /// Distance from the eye to the first collision in world units; infinite if there was none.
+    pub depth: f32,
+    /// Looks at the field.
+    pub looks: u32,
+}
+
+impl<F: Values> World<'_, F> {
+    /// Follows a ray from the eye to where its light came from.
+    pub fn follow(&self, ray: &Ray, random: &mut Random) -> Found {
+        let mut found = Found { radiance: [0.0; 3], depth: f32::INFINITY, looks: 0 };
+        let Some((entry, mut flight)) = self.medium.space.enter(ray) else { return found };
+        let mut forward = ray.direction.as_vec3();
+        let mut throughput = [1.0; 3];
+        // Density with which the last scattering chose the direction.
+        let mut density = 0.0;
+        for scatterings in 0.. {
+            let Some(collision) = self.medium.collide(&flight, random, &mut found.looks) else {
+                if scatterings > 0 {
+                    self.add_sky(&mut found.radiance, throughput, forward, density);
+                }
+                return found;
+            };
+            let at = flight.at(collision.distance);
+            if scatterings == 0 {
+                found.depth = (entry + f64::from(collision.distance)) as f32;
+            }
+            let [r, g, b, opacity] = self.table.lookup(collision.value);
+            let color = [r, g, b];
+            if let Some(material) = self.material {
+                add(&mut found.radiance, throughput, color.map(|v| v * material.emission));
+            }
+            if scatterings == self.settings.bounces {
+                return found;
+            }
+            let vertex = self.surface(at, collision.value, color, -forward, random).unwrap_or_else(|| Vertex::Medium {
+                phase: &self.scattering.phase,
+                normalization: self.scattering.phase_normalization,
+                scatterer: self.scattering.at(f64::from(collision.value), [r, g, b, opacity]),
+                forward,
+            });
+            let direct = self.direct(at, &vertex, random, &mut found.looks);
+            add(&mut found.radiance, throughput, direct);
+            forward = vertex.sample(random);
+            density = vertex.pdf(forward);
+            let weight = vertex.eval(forward).map(|v| v / density);
+            throughput = scale(throughput, weight);
+            let brightest = throughput[0].max(throughput[1]).max(throughput[2]);
+            // A density of 0 makes NaN, which is no light either.
+            if brightest.is_nan() || brightest <= 0.0 {
+                return found;
+            }
+            if scatterings >= self.settings.roulette && brightest < 1.0 {
+                if random.number() >= brightest {
+                    return found;
+                }
+                throughput = throughput.map(|v| v / brightest);
+            }
+            flight = self.medium.space.leave(at, forward, f32::INFINITY);
+        }
+        found
+    }
+
+    /// The surface at a collision, as often as the collision is one with a surface.
+    fn surface(&self, at: Vec3, value: f32, color: [f32; 3], to_eye: Vec3, random: &mut Random) -> Option<Vertex<'_>> {
+        let material = self.material.filter(|_| self.scattering.has_surfaces())?;
+        let gradient = self.probe.gradient(at.as_dvec3());
+        let share = self.scattering.surface_at(f64::from(value), gradient.length() as f32);
+        if random.number() >= share {
+            return None;
+        }
+        let normal = gradient.try_normalize().map(|normal| -normal.as_vec3())?;
+        Reflection::new(material, color, normal, to_eye).map(Vertex::Surface)
+    }
+
+    /// Light that comes straight from a light or from the sky, of which one is asked.
+    #[inline]
+    fn direct(&self, at: Vec3, vertex: &Vertex, random: &mut Random, looks: &mut u32) -> [f32; 3] {
+        let sources = self.lights.len() + usize::from(self.sky.is_some());
+        if sources == 0 {
+            return [0.0; 3];
+        }
+        let chosen = ((random.number() * sources as f32) as usize).min(sources - 1);
+        let (direction, distance, light) = match self.lights.get(chosen) {
+            Some(light) => {
+                let position = self.medium.space.world(at);
+                let incident = light.incident(position);
+                (incident.to_light, distance_to(light, position), vertex.light(incident))
+            }
+            None => {
+                let Some(sky) = &self.sky else { return [0.0; 3] };
+                let direction = sky.sample(random.pair());
+                let density = sky.pdf(direction) / sources as f32;
+                // The balance heuristic (Veach and Guibas 1995): the sky is found by scattering as well.
+                let share = 1.0 / (density + vertex.pdf(direction));
+                let light = scale(vertex.eval(direction), sky.radiance(direction));
+                (direction, f32::INFINITY, light.map(|v| v * share / sources as f32))
+            }
+        };
+        if light.iter().all(|v| *v <= 0.0) {
+            return [0.0; 3];
+        }
+        let flight: Flight = self.medium.space.leave(at, direction, distance);
+        let through = self.medium.transmittance(&flight, random, looks);
+        light.map(|v| v * through * sources as f32)
+    }
+
+    /// The sky where a scattered path ends, with the share that [`direct`](Self::direct) leaves it.
+    fn add_sky(&self, radiance: &mut [f32; 3], throughput: [f32; 3], direction: Vec3, density: f32) {
+        if let Some(sky) = &self.sky {
+            let sources = (self.lights.len() + 1) as f32;
+            let share = density / (density + sky.pdf(direction) / sources);
+            add(radiance, throughput, sky.radiance(direction).map(|v| v * share));
+        }
+    }
+}
+
+#[inline(always)]
+fn add(sum: &mut [f32; 3], throughput: [f32; 3], light: [f32; 3]) {
+    for channel in 0..3 {
+        sum[channel] += throughput[channel] * light[channel];
+    }
+}
+
+/// How far a light is.
+fn distance_to(light: &ResolvedLight, position: Vec3) -> f32 {
+    match light.shape() {
+        LightShape::Directional { .. } => f32::INFINITY,
+        LightShape::Local { position: light, .. } => position.distance(light),
+    }
+}

@@ -1,0 +1,426 @@
+//! The path tracer against closed forms, quadrature, the ray caster and its own statistics.
+
+mod common;
+
+use std::f64::consts::PI;
+use std::time::{Duration, Instant};
+
+use common::{homogeneous, render, stage, transfer_function, unit_volume};
+use pellucid_cpu::{CpuRenderer, RenderError};
+use pellucid_field::Volume;
+use pellucid_optics::{
+    Albedo, BackLobe, Color, Environment, Light, LightKind, Lighting, Material, Phase, PhaseTable, Scattering,
+    SurfaceShare, TableAngles, luminance,
+};
+use pellucid_scene::{Cancel, Control, Frame, Majorants, Mode, PathTrace, RayCast, Scene, Stage, Technique};
+
+const DARK: Lighting = Lighting::dark();
+const WHITE: Environment = Environment::Constant { color: Color::WHITE, intensity: 1.0 };
+
+/// The picture of a volume by paths, orthographic along +y, of 16 x 16 pixels.
+fn traced(volume: Volume, opacity: f32, settings: PathTrace, edit: impl FnOnce(&mut Scene)) -> (Stage, Frame) {
+    let stage = stage(volume, homogeneous(opacity), |scene| {
+        scene.lighting = DARK;
+        scene.technique = Technique::PathTrace(settings);
+        edit(scene);
+    });
+    let frame = render(&stage);
+    (stage, frame)
+}
+
+/// A homogeneous cube of this side.
+fn cube(side: usize) -> Volume {
+    unit_volume([side + 1; 3], |_| 0.0)
+}
+
+/// A cloud with holes: two blobs of different density far apart.
+fn blobs(side: usize) -> Volume {
+    let n = (side - 1) as f64;
+    unit_volume([side; 3], move |p| {
+        let blob = |x: f64, y: f64, z: f64, size: f64| {
+            let squared = (p.x / n - x).powi(2) + (p.y / n - y).powi(2) + (p.z / n - z).powi(2);
+            (1.0 - squared / (size * size)).max(0.0)
+        };
+        blob(0.3, 0.5, 0.4, 0.2) + 0.3 * blob(0.7, 0.4, 0.65, 0.25)
+    })
+}
+
+/// Mean over the picture of a number of each pixel, and the standard error of that mean.
+fn mean(frame: &Frame, number: impl Fn([f32; 4]) -> f64) -> (f64, f64) {
+    let n = frame.color.len() as f64;
+    let numbers: Vec<f64> = frame.color.iter().map(|color| number(*color)).collect();
+    let mean = numbers.iter().sum::<f64>() / n;
+    let variance = numbers.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean, (variance / n).sqrt())
+}
+
+/// Four standard errors: one honest test in 16,000 exceeds them.
+fn agrees((mean, error): (f64, f64), expected: f64, what: &str) {
+    assert!((mean - expected).abs() < 4.0 * error + 1e-6, "{what}: {mean} with error {error}, not {expected}");
+}
+
+/// The part of the picture that looks through the volume from front to back: the middle.
+fn middle(frame: &Frame) -> Frame {
+    let keep = |k: &usize| (4..12).contains(&(k % 16)) && (4..12).contains(&(k / 16));
+    let color = (0..frame.color.len()).filter(keep).map(|k| frame.color[k]).collect();
+    Frame { color, ..Frame::default() }
+}
+
+fn scattering(phase: Phase, albedo: f32) -> Scattering {
+    Scattering { phase, albedo: Albedo::Constant(albedo), ..Scattering::default() }
+}
+
+fn directional(direction: [f64; 3]) -> Light {
+    Light::new(LightKind::Directional { direction })
+}
+
+#[test]
+fn a_slab_has_its_transmittance() {
+    for opacity in [0.05f32, 0.2, 0.5] {
+        let (_, frame) = traced(cube(8), opacity, PathTrace { samples: 256, ..PathTrace::default() }, |_| {});
+        let expected = 1.0 - (1.0 - f64::from(opacity)).powi(8);
+        agrees(mean(&middle(&frame), |c| f64::from(c[3])), expected, &format!("opacity {opacity}"));
+        assert!(frame.color.iter().all(|c| c[..3] == [0.0; 3]));
+    }
+}
+
+#[test]
+fn in_even_light_nothing_that_only_scatters_can_be_seen() {
+    // The white furnace: whatever the phase function, what is scattered out is scattered in.
+    let rainbow = (0..32).map(|k| [1.0 + k as f32, 40.0 - k as f32, 5.0]).collect();
+    let back = (0..8).map(|k| [0.1 * k as f32, 1.0, 2.0]).collect();
+    let phases = [
+        Phase::Isotropic,
+        Phase::Rayleigh,
+        Phase::HenyeyGreenstein { g: 0.8 },
+        Phase::HenyeyGreenstein { g: -0.5 },
+        Phase::DoubleHenyeyGreenstein { first: 0.9, second: -0.4, share: 0.7 },
+        Phase::Schlick { g: 0.6 },
+        Phase::Table(PhaseTable::new(TableAngles::Theta, rainbow).unwrap()),
+        Phase::Hybrid { g: 0.5, back: BackLobe::new(TableAngles::Theta, back).unwrap() },
+    ];
+    for phase in phases {
+        for majorants in [Majorants::Local, Majorants::Global] {
+            let name = phase.name();
+            let settings = PathTrace { samples: 128, environment: WHITE, majorants, ..PathTrace::default() };
+            let (_, frame) = traced(blobs(12), 0.0, settings, |scene| {
+                scene.volumes[0].transfer_function =
+                    Some(transfer_function(&[(0.0, 0x336699)], &[(0.0, 0.0), (1.0, 0.6)]));
+                scene.volumes[0].scattering = scattering(phase.clone(), 1.0);
+            });
+            for channel in 0..3 {
+                let seen = mean(&frame, |c| f64::from(c[channel]) + 1.0 - f64::from(c[3]));
+                agrees(seen, 1.0, &format!("{name}, {majorants:?}, channel {channel}"));
+            }
+            assert!(mean(&frame, |c| f64::from(c[3])).0 > 0.05, "{name}: the medium is seen");
+        }
+    }
+    // A sky that is not even is a sky all the same: on the mean of all directions nothing changes, and
+    // its two ways to be found, by chance and by choice, add up.
+    let sky = Environment::Gradient { top: Color::WHITE, bottom: Color::BLACK, intensity: 1.0 };
+    let settings = PathTrace { samples: 512, environment: sky, bounces: 1, ..PathTrace::default() };
+    let (_, thin) = traced(cube(8), 0.001, settings, |scene| {
+        scene.volumes[0].scattering = scattering(Phase::HenyeyGreenstein { g: 0.8 }, 1.0);
+    });
+    // Single scattering of light from the horizon on the mean: half of the albedo, in a thin medium.
+    let thin = middle(&thin);
+    let (covered, _) = mean(&thin, |c| f64::from(c[3]));
+    let (bright, error) = mean(&thin, |c| f64::from(c[0]));
+    assert!((bright / covered - 0.5).abs() < 4.0 * error / covered + 0.01, "{bright} of {covered}");
+}
+
+#[test]
+fn light_that_is_scattered_once_is_the_integral_along_the_ray() {
+    // A cube of side 8, looked at along +y. The sun shines from the left, or from behind, or from the eye.
+    const SIDE: f64 = 8.0;
+    let opacity = 0.1f32;
+    let kappa = -f64::from(1.0 - opacity).ln();
+    for g in [0.0f32, 0.7] {
+        for (direction, mu) in [([1.0, 0.0, 0.0], 0.0), ([0.0, -1.0, 0.0], 1.0), ([0.0, 1.0, 0.0], -1.0f64)] {
+            let settings = PathTrace { samples: 256, bounces: 1, ..PathTrace::default() };
+            let (stage, frame) = traced(cube(8), opacity, settings, |scene| {
+                scene.lighting.lights = vec![directional(direction)];
+                scene.volumes[0].scattering = scattering(Phase::HenyeyGreenstein { g }, 0.8);
+            });
+            let g = f64::from(g);
+            let phase = (1.0 - g * g) / (4.0 * PI * (1.0 + g * g - 2.0 * g * mu).powf(1.5));
+            // Each pixel has its own way to the light: the mean over its width is the mean over x.
+            let (mut sum, mut squares, mut expected, mut count) = (0.0, 0.0, 0.0, 0);
+            for (k, color) in frame.color.iter().enumerate() {
+                let [low, high] = [0.0, 1.0].map(|side| {
+                    let ray = stage.viewpoint.ray((k % 16) as f64 + side, (k / 16) as f64 + side);
+                    (ray.origin.x, ray.origin.z)
+                });
+                if low.0 < 0.0 || high.0 > SIDE || high.1 < 0.0 || low.1 > SIDE {
+                    continue;
+                }
+                const STEPS: usize = 200;
+                let at = |from: f64, to: f64, k: usize| from + (to - from) * (k as f64 + 0.5) / STEPS as f64;
+                let mut integral = 0.0;
+                for i in 0..STEPS {
+                    let x = at(low.0, high.0, i);
+                    for j in 0..STEPS {
+                        let y = at(0.0, SIDE, j);
+                        let to_light = if direction[0] != 0.0 {
+                            x
+                        } else if mu > 0.0 {
+                            SIDE - y
+                        } else {
+                            y
+                        };
+                        integral += (-kappa * (y + to_light)).exp() * kappa * SIDE / (STEPS * STEPS) as f64;
+                    }
+                }
+                // A light of intensity 1 brings pi.
+                expected += 0.8 * phase * PI * integral;
+                let found = f64::from(color[0]);
+                sum += found;
+                squares += f64::from(frame.noise[k]).powi(2);
+                count += 1;
+            }
+            // The luminance of white is the number itself: the pixels' own errors are those of the sum.
+            let z = (sum - expected) / squares.sqrt();
+            assert!(z.abs() < 4.0, "g = {g}, light along {direction:?}: {sum}, not {expected} ({z} deviations)");
+            assert!(count > 100 && expected > 1.0);
+        }
+    }
+}
+
+#[test]
+fn a_point_light_and_a_spot_light_reach_what_they_shine_on() {
+    // A thin cube, so that single scattering is albedo kappa P pi E over its depth.
+    let light = Light::new(LightKind::Point {
+        position: [4.0, -20.0, 4.0],
+        falloff: pellucid_optics::Falloff::InverseSquare { reference: 20.0 },
+    });
+    let settings = PathTrace { samples: 1024, bounces: 1, ..PathTrace::default() };
+    let (_, frame) = traced(cube(8), 0.001, settings, |scene| {
+        scene.lighting.lights = vec![light];
+        scene.volumes[0].scattering = scattering(Phase::Isotropic, 1.0);
+    });
+    let center = middle(&frame);
+    let (covered, _) = mean(&center, |c| f64::from(c[3]));
+    let (bright, error) = mean(&center, |c| f64::from(c[0]));
+    // The mean over the depth of (20 / (20 + y))^2 is 20 / 28; a quarter of it by an isotropic phase.
+    assert!((bright / covered - 0.25 * 20.0 / 28.0).abs() < 4.0 * error / covered + 0.003, "{bright} of {covered}");
+}
+
+#[test]
+fn without_scattering_there_is_the_ray_casters_absorption_and_emission() {
+    let tf = transfer_function(
+        &[(0.0, 0x102040), (0.5, 0xff8000), (1.0, 0xffffff)],
+        &[(0.0, 0.0), (0.1, 0.0), (0.6, 0.3), (1.0, 0.9)],
+    );
+    let glow = Material { emission: 1.0, ambient: 0.0, diffuse: 0.0, specular: 0.0, ..Material::default() };
+    let settings = PathTrace { samples: 512, bounces: 0, ..PathTrace::default() };
+    let prepared = |technique: Technique| {
+        stage(blobs(20), tf.clone(), |scene| {
+            scene.lighting = DARK;
+            scene.volumes[0].shading = Some(true);
+            scene.volumes[0].material = Some(glow);
+            // Rays of the mean over each pixel, as paths are.
+            scene.quality.supersampling = 8;
+            scene.quality.step = 0.25;
+            (scene.image.width, scene.image.height) = (32, 32);
+            scene.technique = technique;
+        })
+    };
+    let paths = render(&prepared(Technique::PathTrace(settings)));
+    for mode in [Mode::Composite, Mode::XRay] {
+        let rays = render(&prepared(Technique::RayCast(RayCast { mode: mode.clone() })));
+        let (mut z_squared, mut count) = (0.0, 0.0);
+        for (path, ray) in paths.color.iter().zip(&rays.color) {
+            let (covered, expected) = (f64::from(path[3]), f64::from(ray[3]));
+            if (0.02..0.98).contains(&expected) {
+                z_squared += (covered - expected).powi(2) / (expected * (1.0 - expected) / 512.0);
+                count += 1.0;
+            }
+        }
+        // A chi-squared of `count` degrees: its mean is 1, its deviation sqrt(2 / count).
+        let deviation = (2.0f64 / count).sqrt();
+        assert!(
+            count > 60.0 && (z_squared / count - 1.0).abs() < 4.0 * deviation,
+            "{mode:?}: {} of {count}",
+            z_squared / count
+        );
+        if mode == Mode::Composite {
+            let (mut difference, mut squares) = (0.0, 0.0);
+            for (k, (path, ray)) in paths.color.iter().zip(&rays.color).enumerate() {
+                let of = |c: &[f32; 4]| f64::from(luminance([c[0], c[1], c[2]]));
+                difference += of(path) - of(ray);
+                squares += f64::from(paths.noise[k]).powi(2);
+            }
+            let z = difference / squares.sqrt();
+            assert!(z.abs() < 4.0, "emission: {z} deviations");
+        }
+    }
+}
+
+#[test]
+fn one_majorant_and_many_give_one_picture() {
+    let drawn = |majorants, filter| {
+        let settings = PathTrace { samples: 256, majorants, environment: WHITE, bounces: 3, ..PathTrace::default() };
+        traced(blobs(24), 0.0, settings, |scene| {
+            scene.volumes[0].transfer_function = Some(transfer_function(&[(0.0, 0xffffff)], &[(0.0, 0.0), (1.0, 0.8)]));
+            scene.volumes[0].scattering = scattering(Phase::HenyeyGreenstein { g: 0.5 }, 0.7);
+            scene.lighting.lights = vec![directional([1.0, 0.5, 0.0])];
+            scene.quality.filter = filter;
+        })
+        .1
+    };
+    for filter in [pellucid_field::Filter::Linear, pellucid_field::Filter::CATMULL_ROM] {
+        let [local, global] = [Majorants::Local, Majorants::Global].map(|majorants| drawn(majorants, filter));
+        let sum = |frame: &Frame| frame.color.iter().map(|c| f64::from(c[0])).sum::<f64>();
+        let squares = local.noise.iter().chain(&global.noise).map(|v| f64::from(*v).powi(2)).sum::<f64>();
+        let z = (sum(&local) - sum(&global)) / squares.sqrt();
+        assert!(z.abs() < 4.0, "{filter:?}: {z} deviations");
+        let looks = |frame: &Frame| frame.statistics.samples;
+        assert!(looks(&local) * 2 < looks(&global), "{} looks and {}", looks(&local), looks(&global));
+    }
+}
+
+#[test]
+fn the_claimed_noise_is_that_of_repeated_pictures() {
+    let mut scores = Vec::new();
+    let pictures: Vec<Frame> = (0..24)
+        .map(|seed| {
+            let settings = PathTrace { samples: 256, seed, bounces: 4, environment: WHITE, ..PathTrace::default() };
+            traced(cube(4), 0.3, settings, |scene| {
+                scene.volumes[0].scattering = scattering(Phase::Isotropic, 0.5);
+                scene.lighting.lights = vec![directional([1.0, 1.0, 0.0])];
+            })
+            .1
+        })
+        .collect();
+    for pixel in 0..pictures[0].color.len() {
+        let numbers: Vec<f64> = pictures.iter().map(|frame| f64::from(frame.color[pixel][0])).collect();
+        let mean = numbers.iter().sum::<f64>() / numbers.len() as f64;
+        for (frame, number) in pictures.iter().zip(&numbers) {
+            if frame.noise[pixel] > 0.0 {
+                scores.push((number - mean) / f64::from(frame.noise[pixel]));
+            }
+        }
+    }
+    // Around their own mean of 24 the variance is 23/24.
+    let n = scores.len() as f64;
+    let variance = scores.iter().map(|z| z * z).sum::<f64>() / n * 24.0 / 23.0;
+    let beyond = scores.iter().filter(|z| z.abs() > 2.0).count() as f64 / n;
+    assert!(n > 2000.0 && (variance - 1.0).abs() < 0.08, "{variance} of {n} scores");
+    // 4.6 % of normal numbers; of means of few skewed ones about as many.
+    assert!((0.03..0.065).contains(&beyond), "{beyond}");
+}
+
+#[test]
+fn noise_targets_are_met_with_fewer_paths() {
+    let drawn = |noise| {
+        let settings = PathTrace { samples: 8192, noise, environment: WHITE, bounces: 4, ..PathTrace::default() };
+        traced(cube(4), 0.3, settings, |scene| {
+            scene.volumes[0].scattering = scattering(Phase::Isotropic, 0.8);
+        })
+        .1
+    };
+    let frame = drawn(0.03);
+    let met = |k: &usize| f64::from(frame.noise[*k]) <= 0.03 * f64::from(frame.color[*k][0]).max(1e-3) * 1.0001;
+    assert!((0..frame.color.len()).all(|k| met(&k)));
+    let looks = frame.statistics.samples;
+    assert!(looks < drawn(0.0).statistics.samples / 3);
+}
+
+#[test]
+fn surfaces_are_those_of_the_ray_caster_with_shadows() {
+    // An opaque cube that is all surface, lit from the eye: the first collision is at its front, whose
+    // gradient, one-sided at the border, points inwards.
+    let ramp = unit_volume([9; 3], |p| p.y);
+    let material = Material { diffuse: 0.8, specular: 0.0, ambient: 0.0, ..Material::default() };
+    let settings = PathTrace { samples: 64, bounces: 1, ..PathTrace::default() };
+    let (_, frame) = traced(ramp, 1.0, settings, |scene| {
+        scene.lighting.lights = vec![directional([0.0, 1.0, 0.0])];
+        scene.volumes[0].shading = Some(true);
+        scene.volumes[0].material = Some(material);
+        scene.volumes[0].scattering = Scattering {
+            surface: SurfaceShare::Values(vec![pellucid_optics::NumberPoint::new(0.0, 1.0)]),
+            ..Scattering::default()
+        };
+    });
+    // Half of the depth of the collision is on the way in, half on the way out: at infinite extinction
+    // there would be no shadow, at any extinction its mean is 1/2, as on any flat medium lit from the eye.
+    agrees(mean(&middle(&frame), |c| f64::from(c[0])), 0.4, "a front lit head-on");
+}
+
+#[test]
+fn clips_and_holes_let_light_through() {
+    let holed = unit_volume([9; 3], |p| if p.x < 3.5 { f64::NAN } else { 0.0 });
+    let settings = PathTrace { samples: 64, ..PathTrace::default() };
+    let clip = pellucid_scene::Clip::Plane { point: [6.2, 0.0, 0.0], normal: [-1.0, 0.0, 0.0] };
+    let (stage, frame) = traced(holed, 0.9, settings, |scene| scene.clips = vec![clip]);
+    for (k, color) in frame.color.iter().enumerate() {
+        let [left, right] =
+            [0.0, 1.0].map(|side| stage.viewpoint.ray((k % 16) as f64 + side, (k / 16) as f64 + 0.5).origin);
+        // The nearest voxel of a hole is absent: it ends halfway between 3 and 4.
+        if right.x < 3.5 || left.x > 6.2 {
+            assert_eq!(color[3], 0.0, "{left}");
+        } else if left.x > 3.5 && right.x < 6.2 && (0.5..7.5).contains(&left.z) {
+            assert!(color[3] > 0.99, "{left}: {}", color[3]);
+        }
+    }
+}
+
+#[test]
+fn the_picture_is_the_same_for_any_number_of_threads_and_another_with_another_seed() {
+    let drawn = |threads, side, seed| {
+        let settings = PathTrace { samples: 8, seed, environment: WHITE, ..PathTrace::default() };
+        let stage = stage(blobs(16), transfer_function(&[(0.0, 0xffffff)], &[(0.0, 0.0), (1.0, 0.8)]), |scene| {
+            scene.technique = Technique::PathTrace(settings);
+            (scene.image.width, scene.image.height) = (37, 23);
+        });
+        CpuRenderer::with_threads(threads).unwrap().with_tile_size(side).render(&stage, &Control::default()).unwrap()
+    };
+    let one = drawn(1, 32, 0);
+    for (threads, side) in [(2, 32), (5, 7)] {
+        let other = drawn(threads, side, 0);
+        assert_eq!((&one.color, &one.depth), (&other.color, &other.depth));
+        assert_eq!((&one.noise, &one.samples), (&other.noise, &other.samples));
+    }
+    assert_ne!(one.color, drawn(1, 32, 1).color);
+}
+
+#[test]
+fn it_stops_within_50_ms_and_reports_progress() {
+    let settings = PathTrace { samples: 1 << 20, environment: WHITE, ..PathTrace::default() };
+    let stage = stage(cube(16), homogeneous(0.99), |scene| {
+        scene.technique = Technique::PathTrace(settings);
+        scene.volumes[0].scattering = scattering(Phase::Isotropic, 1.0);
+        (scene.image.width, scene.image.height) = (256, 256);
+    });
+    let cancel = Cancel::default();
+    let asked = std::thread::scope(|scope| {
+        let asked = scope.spawn(|| {
+            std::thread::sleep(Duration::from_millis(200));
+            cancel.cancel();
+            Instant::now()
+        });
+        let control = Control { cancel: Some(&cancel), ..Control::default() };
+        assert_eq!(CpuRenderer::new().render(&stage, &control).unwrap_err(), RenderError::Cancelled);
+        asked.join().unwrap()
+    });
+    assert!(asked.elapsed() < Duration::from_millis(50), "{:?}", asked.elapsed());
+}
+
+#[test]
+fn a_lens_blurs_what_is_not_in_focus() {
+    // A plate across half of the view, in focus or far from it.
+    let plate = || unit_volume([17; 3], |p| if p.y > 5.5 && p.y < 10.5 && p.x < 8.5 { 1.0 } else { 0.0 });
+    let edge = |focus: f64, aperture: f64| {
+        let settings = PathTrace { samples: 256, bounces: 0, aperture, focus: Some(focus), ..PathTrace::default() };
+        let tf = transfer_function(&[(0.0, 0xffffff)], &[(0.0, 0.0), (1.0, 0.99)]);
+        let (_, frame) = traced(plate(), 0.0, settings, |scene| {
+            scene.volumes[0].transfer_function = Some(tf);
+        });
+        // How many pixels of a row in the middle are neither covered nor free.
+        (0..16).filter(|x| (0.1..0.9).contains(&frame.color[8 * 16 + x][3])).count()
+    };
+    let stage = stage(plate(), homogeneous(0.5), |_| {});
+    let distance = 8.0 - stage.viewpoint.eye.y;
+    let [sharp, focused, blurred] = [edge(distance, 0.0), edge(distance, 2.0), edge(distance + 12.0, 6.0)];
+    assert!(focused <= sharp + 1 && blurred >= focused + 3, "{sharp}, {focused} and {blurred} pixels");
+}

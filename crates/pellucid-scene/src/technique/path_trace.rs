@@ -1,0 +1,81 @@
+//! Settings of the path tracer.
+
+use pellucid_optics::Environment;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::check::{Checked, join, positive, require};
+use crate::check_optics;
+
+/// Settings of the path tracer: light by the equation of transfer, with every scattering, free of bias
+/// and with noise that falls with the square root of the samples. On the processor.
+///
+/// Every sample is classified by itself (post-classification). A volume scatters as its `scattering`
+/// says; its material's emission shines at every point that has opacity, and `ambient` is not used.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PathTrace {
+    /// Paths per pixel, at most, 1 to 1048576. Default 64.
+    pub samples: u32,
+    /// How often a path is scattered, at most, 0 to 100000; with 0 there is emission alone, with 1 single
+    /// scattering. Default 1000. That is as often as it takes, but for the densest of white media.
+    pub bounces: u32,
+    /// The standard error, as a share of a pixel's brightness, with which the pixel is done before it has
+    /// all samples, 0 to 1; 0 takes all. Default 0.
+    pub noise: f32,
+    /// Light from far away, all around. It is not seen behind the volume: the background is the image's.
+    /// Default dark.
+    pub environment: Environment,
+    /// Radius of the lens in world units, 0 or more: what is not in focus is blurred. Default 0.
+    pub aperture: f64,
+    /// Distance in world units, along the view, of what is in focus; left out, the target's.
+    pub focus: Option<f64>,
+    /// The start of the random numbers: another seed, other noise. Default 0.
+    pub seed: u32,
+    /// Scatterings after which dim paths are ended at random, 0 to 100000. Default 4.
+    pub roulette: u32,
+    /// What bounds the extinction where paths look for their next collision. Default local.
+    pub majorants: Majorants,
+}
+
+impl Default for PathTrace {
+    fn default() -> Self {
+        Self {
+            samples: 64,
+            bounces: 1000,
+            noise: 0.0,
+            environment: Environment::default(),
+            aperture: 0.0,
+            focus: None,
+            seed: 0,
+            roulette: 4,
+            majorants: Majorants::default(),
+        }
+    }
+}
+
+/// Bounds of the extinction. The picture is the same but for its noise, and the time it takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Majorants {
+    /// One for every block of the data: thin parts take few looks and empty ones none.
+    #[default]
+    Local,
+    /// One for all of it.
+    Global,
+}
+
+impl PathTrace {
+    pub(super) fn check(&self, path: &str) -> Checked {
+        require((1..=1 << 20).contains(&self.samples), path, "samples", self.samples, "1 to 1048576")?;
+        require(self.bounces <= 100_000, path, "bounces", self.bounces, "0 to 100000")?;
+        require((0.0..=1.0).contains(&self.noise), path, "noise", self.noise, "0 to 1")?;
+        check_optics::environment(&join(path, "environment"), &self.environment)?;
+        let aperture = self.aperture;
+        require((0.0..=1e30).contains(&aperture), path, "aperture", aperture, "0 or a length")?;
+        if let Some(focus) = self.focus {
+            positive(path, "focus", focus, "a length greater than 0")?;
+        }
+        require(self.roulette <= 100_000, path, "roulette", self.roulette, "0 to 100000")
+    }
+}
