@@ -131,7 +131,7 @@ impl Prepared<'_> {
                     None => {
                         let lookup = match &self.tables.stride_entries {
                             Some(entries) => Lookup::of_strides(entries, self.tables.step_table.nodes()),
-                            None => Lookup::of_steps(&self.tables.step_table),
+                            None => Lookup::of_steps(self.step_table()),
                         };
                         Box::new(Composite { medium, classifier: Post(lookup) })
                     }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use pellucid_field::Grid;
-use pellucid_optics::{DataRange, LightModel, ResolvedLight, ShadowRays, ShadowVolume, Shadows, StepTable};
+use pellucid_optics::{Albedo, DataRange, LightModel, ResolvedLight, ShadowRays, ShadowVolume, Shadows, StepTable};
 use pellucid_scene::{
     BlockContent, BlockMap, Control, Mode, Region, Stage, StageVolume, TableCache, Tables, Technique,
 };
@@ -131,6 +131,8 @@ pub struct Prepared<'s> {
     pub grids: Arc<Grids>,
     /// What of scattering depends on the data, if samples scatter.
     pub scattering: Option<ScatterTable>,
+    /// Associated colours of one step, if what samples scatter is not the transfer function's colour.
+    albedo: Option<StepTable>,
     /// What the ways to lights need, if shadow rays are cast.
     pub shadows: Option<ShadowSteps>,
 }
@@ -164,6 +166,12 @@ impl<'s> Prepared<'s> {
         };
         let data = DataRange::of(&volume.volume);
         let scattering = scatters.then(|| ScatterTable::new(&volume.scattering, &tables.table, &data)).transpose()?;
+        let albedo = (scatters && volume.scattering.albedo != Albedo::Color)
+            .then(|| {
+                let albedo = |value, entry| volume.scattering.at(value, entry).albedo;
+                StepTable::new(&tables.table.recolored(albedo), (stage.step / volume.unit_distance()) as f32)
+            })
+            .transpose()?;
         let lit = scatters || volume.material.is_some();
         let length = shadow_step(stage, volume).filter(|_| lit);
         let steps = |length| {
@@ -171,7 +179,12 @@ impl<'s> Prepared<'s> {
             Ok::<_, RenderError>(ShadowSteps { length, table })
         };
         let shadows = length.map(steps).transpose()?;
-        Ok(Self { stage, volume, region: stage.region(volume), tables, grids, scattering, shadows })
+        Ok(Self { stage, volume, region: stage.region(volume), tables, grids, scattering, albedo, shadows })
+    }
+
+    /// Associated colours of one step.
+    pub fn step_table(&self) -> &StepTable {
+        self.albedo.as_ref().unwrap_or(&self.tables.step_table)
     }
 
     /// Whether anything of the volume answers light.

@@ -276,8 +276,8 @@ fn shadow_volumes_leak_and_slices_do_not() {
         let band: Vec<f64> = light.iter().filter(between).map(|(height, _)| *height).collect();
         let (low, high) = band.iter().fold((f64::INFINITY, 0.0f64), |(low, high), at| (low.min(*at), high.max(*at)));
         println!("resolution {resolution}: light leaks from {low} to {high}, {:.2} cells", (high - low) / cell);
-        assert!(high - low > 0.5 * cell, "no leak at {resolution}: {low} to {high}");
-        // The plate itself is a voxel thick, and half-transparent at its faces.
+        // The plate reaches to 40.6, the next point in front of it is at most a cell from its middle.
+        assert!(high > 40.6 + 0.5 * (cell - 0.6), "no leak at {resolution}: {low} to {high}");
         assert!(high - low < 2.0 * cell + 1.0, "{resolution}: {low} to {high}");
         for (height, light) in light {
             assert!(height > 40.0 - cell - 1.0 || light < 0.01, "{resolution}: {light} behind, at {height}");

@@ -30,8 +30,8 @@ pub struct Step<'a, S> {
 /// How far a blur reaches.
 #[derive(Clone, Copy)]
 pub enum Radius<'a> {
-    /// So many texels everywhere.
-    Texels(f32),
+    /// So many texels to the right and up, everywhere.
+    Texels([f32; 2]),
     /// The tangent of half the cone's angle times this power of the path in a slab, in world units: the way
     /// of a light that is somewhere grows towards the picture's rim, and its texels with the distance.
     Path {
@@ -106,10 +106,10 @@ impl<S: Lanes> Step<'_, S> {
 
     /// Taps as places in memory.
     #[inline(always)]
-    fn taps(&self, radius: f32, shape: Shape) -> Vec<Tap<S>> {
+    fn taps(&self, radius: [f32; 2], shape: Shape) -> Vec<Tap<S>> {
         let mut taps = Vec::with_capacity(self.offsets.len());
         for offset in self.offsets {
-            let [x, y] = [offset[0] * radius, offset[1] * radius];
+            let [x, y] = [offset[0] * radius[0], offset[1] * radius[1]];
             let offset = y.floor() as isize * shape.stride as isize + x.floor() as isize;
             taps.push(Tap { offset, u: splat(self.s, x - x.floor()), v: splat(self.s, y - y.floor()) });
         }
@@ -122,18 +122,18 @@ impl<S: Lanes> Step<'_, S> {
         let s = self.s;
         let Radius::Path { frame, scale, root, step } = self.radius else { return Vec::new() };
         let rays = band.rays(s, at);
-        let ([column, row], density) = frame.texels(s, &rays.at(splat(s, self.slab as f32 + 0.5)));
+        let [[column, row], density] = frame.texels(s, &rays.at(splat(s, self.slab as f32 + 0.5)));
         let mut path = rays.stretch() * step;
         if root {
             path = path.sqrt();
         }
-        let radius = path * scale * density;
+        let radius = [path * scale * density[0], path * scale * density[1]];
         // Texels without a ray have no way either.
         let column = column.is_finite().select(column, splat(s, x as f32));
         let row = row.is_finite().select(row, splat(s, y as f32));
         let mut places = Vec::with_capacity(self.offsets.len());
         for offset in self.offsets {
-            let place = [radius.mul_add(splat(s, offset[0]), column), radius.mul_add(splat(s, offset[1]), row)];
+            let place = [radius[0].mul_add(splat(s, offset[0]), column), radius[1].mul_add(splat(s, offset[1]), row)];
             places.push(light.place(s, place));
         }
         places

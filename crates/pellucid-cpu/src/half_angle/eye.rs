@@ -263,7 +263,7 @@ impl<S: Lanes> Eye<'_, S> {
         k: usize,
     ) -> Arriving<S> {
         let (s, one) = (self.s, splat(self.s, 1.0));
-        let (texels, _) = self.frame.texels(s, index);
+        let [texels, _] = self.frame.texels(s, index);
         let place = light.place(s, texels);
         let direct = light.fetch(s, 0, &place);
         let indirect = (light.planes.len() > 1).then_some(());

@@ -20,9 +20,10 @@ pub struct LightFrame {
     is_directional: bool,
     /// Coordinates on the plane of the corner of texel (0, 0): in world units, or as tangents.
     low: DVec2,
-    /// Side of a texel, likewise.
-    texel: f64,
-    /// Texels that the box covers, with one around it.
+    /// Sides of a texel, likewise.
+    texel: DVec2,
+    /// Texels that the box covers: the middles of the outer ones are on its outline, or light would leak in
+    /// from beside it.
     pub size: [usize; 2],
     /// From index positions to texels, or to texels times depth, and depth.
     rows: [[f32; 4]; 3],
@@ -59,10 +60,14 @@ impl LightFrame {
             }
             (low, high) = (low.min(place), high.max(place));
         }
-        let extent = high - low;
-        let texel = (extent.max_element() / f64::from(resolution)).max(f64::MIN_POSITIVE);
-        let size = [extent.x, extent.y].map(|length| (length / texel - 1e-6).ceil().max(1.0) as usize + 2);
-        let low = low - DVec2::splat(texel);
+        // Rays along faces of the box would miss it by a rounding.
+        let inset = (high - low) * 1e-6;
+        let (low, extent) = (low + inset, high - low - 2.0 * inset);
+        let side = extent.max_element() / f64::from(resolution - 1);
+        let size = [extent.x, extent.y].map(|length| ((length / side - 1e-6).ceil() as usize).max(1) + 1);
+        let texel = extent / DVec2::from_array(size.map(|n| (n - 1) as f64));
+        let texel = texel.max(DVec2::splat(f64::MIN_POSITIVE));
+        let low = low - texel / 2.0;
         let mut frame = Self { origin, right, up, forward, is_directional, low, texel, size, rows: [[0.0; 4]; 3] };
         frame.rows = frame.rows_of(grid);
         Some(frame)
@@ -76,9 +81,9 @@ impl LightFrame {
             [slope.x, slope.y, slope.z, direction.dot(world.translation - self.origin)]
         };
         let depth = if self.is_directional { [0.0, 0.0, 0.0, 1.0] } else { row(self.forward) };
-        let [x, y] = [(self.right, self.low.x), (self.up, self.low.y)].map(|(side, low)| {
+        let [x, y] = [(self.right, 0), (self.up, 1)].map(|(side, axis)| {
             let row = row(side);
-            std::array::from_fn(|column| (row[column] - low * depth[column]) / self.texel)
+            std::array::from_fn(|column| (row[column] - self.low[axis] * depth[column]) / self.texel[axis])
         });
         [x, y, depth].map(|row| row.map(|number| number as f32))
     }
@@ -112,7 +117,12 @@ impl LightFrame {
     pub fn finest(&self, grid: &Grid) -> f64 {
         let depth = |corner: DVec3| if self.is_directional { 1.0 } else { (corner - self.origin).dot(self.forward) };
         let nearest = grid.world_corners().map(depth).into_iter().fold(f64::INFINITY, f64::min);
-        1.0 / (nearest * self.texel)
+        (nearest * self.texel.min_element()).recip()
+    }
+
+    /// A length across a directional light, in texels to the right and up.
+    pub fn across(&self, length: f64) -> [f32; 2] {
+        (DVec2::splat(length) / self.texel).as_vec2().to_array()
     }
 
     /// The light's position, if it is somewhere.
@@ -122,31 +132,29 @@ impl LightFrame {
 
     /// Where index positions are in the picture, in texels, and texels per world unit across the light there.
     #[inline(always)]
-    pub fn texels<S: Lanes>(&self, s: S, index: &Vec3<S>) -> ([F32<S>; 2], F32<S>) {
+    pub fn texels<S: Lanes>(&self, s: S, index: &Vec3<S>) -> [[F32<S>; 2]; 2] {
         let [x, y, depth] = xyz!(I => {
             let [a, b, c, d] = self.rows[I];
             index[0].mul_add(splat(s, a), index[1].mul_add(splat(s, b), index[2].mul_add(splat(s, c), splat(s, d))))
         });
-        let scale = splat(s, (1.0 / self.texel) as f32);
+        let density = [splat(s, self.texel.x.recip() as f32), splat(s, self.texel.y.recip() as f32)];
         if self.is_directional {
-            return ([x, y], scale);
+            return [[x, y], density];
         }
         let inverse = splat(s, 1.0) / depth;
-        ([x * inverse, y * inverse], scale * inverse)
+        [[x * inverse, y * inverse], [density[0] * inverse, density[1] * inverse]]
     }
 
     /// World distances from a light that is somewhere, at index positions.
     #[inline(always)]
     pub fn distance<S: Lanes>(&self, s: S, index: &Vec3<S>) -> F32<S> {
-        let ([x, y], _) = self.texels(s, index);
+        let [place, _] = self.texels(s, index);
         let [a, b, c, d] = self.rows[2];
         let depth =
             index[0].mul_add(splat(s, a), index[1].mul_add(splat(s, b), index[2].mul_add(splat(s, c), splat(s, d))));
-        let texel = self.texel as f32;
-        let (u, v) = (
-            x.mul_add(splat(s, texel), splat(s, self.low.x as f32)),
-            y.mul_add(splat(s, texel), splat(s, self.low.y as f32)),
-        );
+        let (low, texel) = (self.low.as_vec2(), self.texel.as_vec2());
+        let u = place[0].mul_add(splat(s, texel.x), splat(s, low.x));
+        let v = place[1].mul_add(splat(s, texel.y), splat(s, low.y));
         depth * u.mul_add(u, v.mul_add(v, splat(s, 1.0))).sqrt()
     }
 }

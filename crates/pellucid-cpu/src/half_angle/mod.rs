@@ -184,7 +184,7 @@ impl Drawing<'_> {
         Ok(Eye {
             s,
             field: prepared.any(prepared.sampler()?),
-            table: Lookup::of_steps(&prepared.tables.step_table),
+            table: Lookup::of_steps(prepared.step_table()),
             transport: self.transport.map(Transport::lookup),
             surface,
             frame: &self.geometry.frame,

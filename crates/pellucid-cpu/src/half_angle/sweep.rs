@@ -108,7 +108,7 @@ impl<'a, S: Lanes> Sweep<'a, S> {
         let radius = match ways {
             Ways::Same(steps) => {
                 let path = (f64::from(*steps) * step).min(*longest);
-                Radius::Texels((taps::radius(settings, path, voxel) * across) as f32)
+                Radius::Texels(frame.across(taps::radius(settings, path, voxel)))
             }
             Ways::From { .. } => Radius::Path { frame, scale, root, step: step as f32 },
         };

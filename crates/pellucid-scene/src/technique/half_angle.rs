@@ -13,6 +13,9 @@ use crate::check::{Checked, require};
 /// `scattering.transport` says, which lets it reach deeper. It never turns back and never leaves the cone, so
 /// light does not bleed around an obstacle (6.3-12). The model is made for the eye and does not conserve
 /// energy: without attenuation both terms together are brighter than the light.
+///
+/// Every sample is classified by itself (post-classification), and what it gives back of the light is its
+/// `scattering.albedo`. A shaded volume's material counts where `scattering.surface` makes one of its samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct HalfAngle {

@@ -95,7 +95,10 @@ const TECHNIQUES: [(&str, &str); 9] = [
     ("path-trace", "technique.path_trace.seed=0"),
     ("half-angle", "technique.half_angle.seed=0"),
     ("shadow-rays", "technique.ray_cast.mode=composite; lighting.model=scattering; lighting.shadows.rays.step=1"),
-    ("shadow-volume", "technique.ray_cast.mode=composite; lighting.model=scattering; lighting.shadows.volume.resolution=0.5"),
+    (
+        "shadow-volume",
+        "technique.ray_cast.mode=composite; lighting.model=scattering; lighting.shadows.volume.resolution=0.5",
+    ),
 ];
 
 impl FromStr for Rendition {
