@@ -354,3 +354,29 @@ fn a_shadow_volume_needs_lights_outside() {
     let error = CpuRenderer::new().render(&stage, &Control::default()).unwrap_err();
     assert_eq!(error, RenderError::LightInside { light: 1 });
 }
+
+/// Without normals noise of a flat region is not seen (6.0-1): a hundredth of the range on every voxel.
+#[test]
+fn scattering_does_not_see_noise() {
+    let noise = |p: DVec3| (p.dot(DVec3::new(12.9898, 78.233, 37.719)).sin() * 43_758.547).fract() * 0.035;
+    let spread = |model: LightModel, flat: bool| {
+        let tf = transfer_function(&[(0.0, 0x808080), (1.0, 0xffffff)], &[(0.0, 0.3)]);
+        let value = |p| if flat { 0.5 } else { 0.5 + noise(p) };
+        let stage = stage(unit_volume([24; 3], value), tf, |scene| {
+            lit(scene, Shadows::Rays(ShadowRays::default()));
+            scene.lighting.model = model;
+            scene.lighting.lights = vec![Light::new(LightKind::Directional { direction: [0.0, 1.0, 0.0] })];
+            scene.volumes[0].shading = Some(true);
+            scene.camera.projection = Projection::Orthographic { height: Some(16.0) };
+        });
+        let colors: Vec<f64> = render(&stage).color.iter().map(|color| f64::from(color[0])).collect();
+        assert!(colors.iter().all(|color| color.is_finite() && *color >= 0.0));
+        let mean = colors.iter().sum::<f64>() / colors.len() as f64;
+        assert!(flat || mean > 0.01, "{mean}");
+        colors.iter().map(|color| (color - mean).powi(2)).sum::<f64>() / colors.len() as f64
+    };
+    let [surface, cloud] = [LightModel::Surface, LightModel::Scattering].map(|model| spread(model, false));
+    assert!(cloud <= surface / 10.0, "{cloud} and {surface}");
+    // Where the gradient is zero nothing turns into NaN.
+    assert!(spread(LightModel::Surface, true) < 1e-12 && spread(LightModel::Scattering, true) < 1e-4);
+}
