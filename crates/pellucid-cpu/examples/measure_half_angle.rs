@@ -1,5 +1,6 @@
 //! How long half-angle slicing takes beside the unlit ray caster at equal steps, the least of a few frames in
-//! turns: `cargo run --release -p pellucid-cpu --example measure_half_angle`.
+//! turns: `cargo run --release -p pellucid-cpu --example measure_half_angle`. On one thread, unless told another
+//! number: threads wait for each other at every slab, so that beside other work the figures tell little.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -11,7 +12,10 @@ use pellucid_scene::{Control, Format, HalfAngle, Scene, Stage, Technique};
 const FRAMES: usize = 5;
 
 fn main() {
-    println!("512 x 512 pixels, light buffer 512 x 512, step 0.5 voxels, directional light from the side");
+    let threads = std::env::args().nth(1).and_then(|number| number.parse().ok()).unwrap_or(1);
+    println!(
+        "512 x 512 pixels, light buffer 512 x 512, step 0.5 voxels, directional light from the side, {threads} threads"
+    );
     for (name, dims, opacity) in [("cloud", [160, 160, 112], 0.2), ("ball", [160; 3], 0.05), ("ball", [160; 3], 0.8)] {
         let field = closed_form::by_name(name).expect("a built-in field");
         let volume = closed_form::sample_field(field.as_ref(), dims, VoxelType::U8).expect("a few megabytes");
@@ -32,7 +36,7 @@ fn main() {
             ("half-angle, direct", stage(Technique::HalfAngle(direct))),
             ("half-angle, direct and indirect", stage(Technique::HalfAngle(HalfAngle::default()))),
         ];
-        let mut renderer = CpuRenderer::new();
+        let mut renderer = CpuRenderer::with_threads(threads).expect("a number of threads");
         let mut least = [f64::INFINITY; 3];
         for _ in 0..FRAMES {
             for ((_, stage), least) in stages.iter().zip(&mut least) {

@@ -91,7 +91,8 @@ mod x86 {
         unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, offsets: Self::i32s) -> [Self::u32s; 2] {
             // SAFETY: the caller vouches for the addresses; the token for the instructions.
             unsafe {
-                let pair = |lane: usize| {
+                let pair = #[inline(always)]
+                |lane: usize| {
                     let place = base.wrapping_offset(SCALE as isize * offsets[lane] as isize);
                     _mm_castsi128_ps(_mm_loadl_epi64(place.cast()))
                 };
@@ -108,7 +109,8 @@ mod x86 {
             unsafe {
                 // Unsigned: nothing is left to do to a lane's offset but to add it.
                 let numbers: Self::u32s = (offsets << SHIFT).bitcast();
-                let row = |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
+                let row = #[inline(always)]
+                |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
                 let (mut a, mut b, mut c, mut d) = (row(0), row(1), row(2), row(3));
                 _MM_TRANSPOSE4_PS(&mut a, &mut b, &mut c, &mut d);
                 [a.simd_into(self), b.simd_into(self), c.simd_into(self), d.simd_into(self)]
@@ -146,9 +148,11 @@ mod x86 {
             unsafe {
                 // Unsigned: nothing is left to do to a lane's offset but to add it.
                 let numbers: Self::u32s = (offsets << SHIFT).bitcast();
-                let row = |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
+                let row = #[inline(always)]
+                |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
                 // Lane i of a quarter beside lane i + 4.
-                let pair = |lane: usize| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(row(lane)), row(lane + 4));
+                let pair = #[inline(always)]
+                |lane: usize| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(row(lane)), row(lane + 4));
                 let (a, b, c, d) = (pair(0), pair(1), pair(2), pair(3));
                 let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
                 let (ab2, cd2) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
@@ -194,9 +198,11 @@ mod x86 {
             unsafe {
                 // Unsigned: nothing is left to do to a lane's offset but to add it.
                 let numbers: Self::u32s = (offsets << SHIFT).bitcast();
-                let row = |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
+                let row = #[inline(always)]
+                |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
                 // Lane i of a quarter beside lanes i + 4, i + 8 and i + 12.
-                let four = |lane: usize| {
+                let four = #[inline(always)]
+                |lane: usize| {
                     let v = _mm512_castps128_ps512(row(lane));
                     let v = _mm512_insertf32x4::<1>(v, row(lane + 4));
                     let v = _mm512_insertf32x4::<2>(v, row(lane + 8));

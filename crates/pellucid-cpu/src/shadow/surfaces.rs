@@ -18,6 +18,8 @@ pub struct Surfaces<'a, S> {
     pub levels: Vec<Level>,
     /// The ways.
     pub ways: ToLights,
+    /// How many steps off the surface they begin: as far as the roughness of sampled data reaches.
+    pub away: f32,
     /// Blocks that hold a surface, if the others are skipped.
     pub skip: Option<&'a SkipGrid>,
 }
@@ -27,8 +29,8 @@ impl<S: Lanes> Shadow<S> for Surfaces<'_, S> {
         s.vectorize(
             #[inline(always)]
             || {
-                // A step away from the surface that is lit: its own roundness is what `n . l` tells.
-                let rays = self.ways.rays(s, light, index, lanes, 1.0);
+                // Away from the surface that is lit: how it is turned is what `n . l` tells.
+                let rays = self.ways.rays(s, light, index, lanes, self.away);
                 let mut passing = Passing { surfaces: self, through: splat(s, 1.0) };
                 each_segment(s, &self.field, &rays, self.skip, &mut Counter::new(s), &mut passing);
                 passing.through
