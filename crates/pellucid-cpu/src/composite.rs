@@ -114,7 +114,7 @@ impl<S: Lanes, F: Field<S>, C: Classify> Composite<'_, S, F, C> {
                 let mut followed: Vec<Followed<S>> = Vec::with_capacity(wave.len());
                 for packet in wave {
                     let (rays, counter) = (Rays::new(s, packet), Counter::new(s));
-                    let march = March::new(s, &rays);
+                    let march = March::new(s, &rays, medium.levels);
                     followed.push(Followed { rays, march, counter, ray: medium.start(packet), open: true });
                 }
                 while followed.iter().any(|packet| packet.open) {
@@ -124,7 +124,6 @@ impl<S: Lanes, F: Field<S>, C: Classify> Composite<'_, S, F, C> {
                             s,
                             &packet.rays,
                             medium.skip,
-                            medium.levels,
                             &mut packet.counter,
                             #[inline(always)]
                             |index| medium.field.prefetch(s, index),
@@ -165,9 +164,9 @@ impl<S: Lanes, F: Field<S>, C: Classify> Composite<'_, S, F, C> {
 }
 
 /// A packet on its way.
-struct Followed<S: Lanes> {
+struct Followed<'a, S: Lanes> {
     rays: Rays<S>,
-    march: March<S>,
+    march: March<'a, S>,
     counter: Counter<S>,
     ray: Accumulator<S>,
     open: bool,

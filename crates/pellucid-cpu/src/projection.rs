@@ -131,11 +131,10 @@ impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
             #[inline(always)]
             |_, rays, traced, counter| {
                 let (mut sum, mut length) = (splat(s, 0.0), splat(s, 0.0));
-                let mut march = March::new(s, rays);
+                let mut march = March::new(s, rays, None);
                 while march.run(
                     s,
                     rays,
-                    None,
                     None,
                     counter,
                     |_| (),
@@ -208,12 +207,11 @@ impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
             #[inline(always)]
             |_, rays, traced, counter| {
                 let mut sum = [splat(s, 0.0); 3];
-                let mut march = March::new(s, rays);
+                let mut march = March::new(s, rays, None);
                 while march.run(
                     s,
                     rays,
                     self.skip,
-                    None,
                     counter,
                     |_| (),
                     #[inline(always)]
@@ -264,12 +262,11 @@ impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
             #[inline(always)]
             |_, rays, traced, counter| {
                 let mut through = splat(s, 1.0);
-                let mut march = March::new(s, rays);
+                let mut march = March::new(s, rays, None);
                 while march.run(
                     s,
                     rays,
                     self.skip,
-                    None,
                     counter,
                     |_| (),
                     #[inline(always)]

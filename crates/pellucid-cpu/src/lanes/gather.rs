@@ -91,8 +91,7 @@ mod x86 {
         unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, offsets: Self::i32s) -> [Self::u32s; 2] {
             // SAFETY: the caller vouches for the addresses; the token for the instructions.
             unsafe {
-                let pair = #[inline(always)]
-                |lane: usize| {
+                let pair = |lane: usize| {
                     let place = base.wrapping_offset(SCALE as isize * offsets[lane] as isize);
                     _mm_castsi128_ps(_mm_loadl_epi64(place.cast()))
                 };
@@ -109,8 +108,7 @@ mod x86 {
             unsafe {
                 // Unsigned: nothing is left to do to a lane's offset but to add it.
                 let numbers: Self::u32s = (offsets << SHIFT).bitcast();
-                let row = #[inline(always)]
-                |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
+                let row = |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
                 let (mut a, mut b, mut c, mut d) = (row(0), row(1), row(2), row(3));
                 _MM_TRANSPOSE4_PS(&mut a, &mut b, &mut c, &mut d);
                 [a.simd_into(self), b.simd_into(self), c.simd_into(self), d.simd_into(self)]
@@ -148,11 +146,9 @@ mod x86 {
             unsafe {
                 // Unsigned: nothing is left to do to a lane's offset but to add it.
                 let numbers: Self::u32s = (offsets << SHIFT).bitcast();
-                let row = #[inline(always)]
-                |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
+                let row = |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
                 // Lane i of a quarter beside lane i + 4.
-                let pair = #[inline(always)]
-                |lane: usize| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(row(lane)), row(lane + 4));
+                let pair = |lane: usize| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(row(lane)), row(lane + 4));
                 let (a, b, c, d) = (pair(0), pair(1), pair(2), pair(3));
                 let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
                 let (ab2, cd2) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
@@ -198,17 +194,22 @@ mod x86 {
             unsafe {
                 // Unsigned: nothing is left to do to a lane's offset but to add it.
                 let numbers: Self::u32s = (offsets << SHIFT).bitcast();
-                let row = #[inline(always)]
-                |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
+                // Macros, as closures are compiled without the instructions where they are not inlined.
+                macro_rules! row {
+                    ($lane:expr) => {
+                        _mm_loadu_ps(base.wrapping_add(numbers[$lane] as usize))
+                    };
+                }
                 // Lane i of a quarter beside lanes i + 4, i + 8 and i + 12.
-                let four = #[inline(always)]
-                |lane: usize| {
-                    let v = _mm512_castps128_ps512(row(lane));
-                    let v = _mm512_insertf32x4::<1>(v, row(lane + 4));
-                    let v = _mm512_insertf32x4::<2>(v, row(lane + 8));
-                    _mm512_insertf32x4::<3>(v, row(lane + 12))
-                };
-                let (a, b, c, d) = (four(0), four(1), four(2), four(3));
+                macro_rules! four {
+                    ($lane:expr) => {{
+                        let v = _mm512_castps128_ps512(row!($lane));
+                        let v = _mm512_insertf32x4::<1>(v, row!($lane + 4));
+                        let v = _mm512_insertf32x4::<2>(v, row!($lane + 8));
+                        _mm512_insertf32x4::<3>(v, row!($lane + 12))
+                    }};
+                }
+                let (a, b, c, d) = (four!(0), four!(1), four!(2), four!(3));
                 let (ab, cd) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
                 let (ab2, cd2) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
                 let (ab, cd) = (_mm512_castps_pd(ab), _mm512_castps_pd(cd));

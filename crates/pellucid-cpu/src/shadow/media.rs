@@ -30,12 +30,11 @@ impl<S: Lanes> Shadow<S> for Media<'_, S> {
             || {
                 let rays = self.ways.rays(s, light, index, lanes, 0.0);
                 let (one, mut through) = (splat(s, 1.0), splat(s, 1.0));
-                let (mut march, mut counter) = (March::new(s, &rays), Counter::new(s));
+                let (mut march, mut counter) = (March::new(s, &rays, None), Counter::new(s));
                 while march.run(
                     s,
                     &rays,
                     self.skip,
-                    None,
                     &mut counter,
                     |_| (),
                     #[inline(always)]
