@@ -34,6 +34,11 @@ impl<'a> Lookup<'a> {
         Self::new(table.entries(), table.nodes())
     }
 
+    /// Rows of any four numbers.
+    pub fn of_rows(entries: &'a [[f32; 4]], nodes: &Nodes) -> Self {
+        Self::new(entries, nodes)
+    }
+
     fn new(entries: &'a [[f32; 4]], nodes: &Nodes) -> Self {
         let count = nodes.count();
         assert!(count >= 2 && entries.len() >= count && entries.len().is_multiple_of(count));
@@ -243,16 +248,16 @@ impl Segments<'_> {
     }
 }
 
-/// Associated colours over `ratio` times the length they hold for, at most 1 (1.4-14): the vectors'
+/// Associated colours over `ratio` times the length they hold for (1.4-14), a few times at most: the vectors'
 /// form of [`correct_associated`](pellucid_optics::correct_associated). Where the ratio is 1 they
 /// stay what they are, to the bit.
 #[inline(always)]
 pub fn over_length<S: Lanes>(s: S, rgba: [F32<S>; 4], ratio: F32<S>) -> [F32<S>; 4] {
     let [r, g, b, alpha] = rgba;
-    let shortened = ratio.simd_lt(splat(s, 1.0));
+    let changed = ratio.simd_ne(splat(s, 1.0));
     let corrected = opacity_over(s, alpha, ratio);
     let thin = alpha.simd_lt(splat(s, f32::MIN_POSITIVE));
     let scale = thin.select(ratio, corrected / thin.select(splat(s, 1.0), alpha));
     let found = [r * scale, g * scale, b * scale, corrected];
-    rgba!(C => shortened.select(found[C], rgba[C]))
+    rgba!(C => changed.select(found[C], rgba[C]))
 }

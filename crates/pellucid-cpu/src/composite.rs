@@ -7,8 +7,8 @@ use crate::lanes::*;
 use crate::packet::{Packet, Rays};
 use crate::samples::March;
 use crate::segments::{Segment, Verdict, Visit, each_segment};
-use crate::skip::SkipGrid;
-use crate::surface::{Aim, Surface, normals};
+use crate::skip::{Levels, SkipGrid};
+use crate::surface::{Aim, Surface, Unlit, normals};
 
 /// What every compositing loop shares: the field, light, empty blocks and the stop criterion.
 pub struct Medium<'a, S, F> {
@@ -17,9 +17,11 @@ pub struct Medium<'a, S, F> {
     /// The field.
     pub field: F,
     /// Light, if surfaces are shaded.
-    pub surface: Option<Surface<'a>>,
+    pub surface: Option<Surface<'a, S>>,
     /// Blocks that can contribute, if empty space is skipped.
     pub skip: Option<&'a SkipGrid>,
+    /// The strides that blocks allow, if steps adapt to the data.
+    pub levels: Option<&'a Levels>,
     /// Opacity at which a ray stops.
     pub early_termination: f32,
 }
@@ -44,18 +46,11 @@ impl<S: Lanes, F: Field<S>> Medium<'_, S, F> {
         Accumulator { color: [zero; 4], half: splat(s, f32::INFINITY), aim }
     }
 
-    /// Shades associated samples, if surfaces are shaded.
+    /// Shades associated samples, if samples are lit.
     #[inline(always)]
-    fn lit(
-        &self,
-        aim: &Option<Aim<S>>,
-        index: Vec3<S>,
-        rgba: [F32<S>; 4],
-        lanes: Mask<S>,
-        gradients: impl FnOnce() -> Vec3<S>,
-    ) -> [F32<S>; 4] {
-        let (Some(surface), Some(aim)) = (&self.surface, aim) else { return rgba };
-        surface.shade(self.s, rgba, index, gradients(), aim, lanes)
+    fn lit(&self, aim: &Option<Aim<S>>, sample: &Unlit<S>, gradients: impl FnOnce() -> Vec3<S>) -> [F32<S>; 4] {
+        let (Some(surface), Some(aim)) = (&self.surface, aim) else { return sample.rgba };
+        surface.shade(self.s, sample, aim, gradients)
     }
 
     /// Adds samples behind what is there. Returns the rays that are done.
@@ -119,7 +114,7 @@ impl<S: Lanes, F: Field<S>, C: Classify> Composite<'_, S, F, C> {
                 let mut followed: Vec<Followed<S>> = Vec::with_capacity(wave.len());
                 for packet in wave {
                     let (rays, counter) = (Rays::new(s, packet), Counter::new(s));
-                    let march = March::new(s, &rays);
+                    let march = March::new(s, &rays, medium.levels);
                     followed.push(Followed { rays, march, counter, ray: medium.start(packet), open: true });
                 }
                 while followed.iter().any(|packet| packet.open) {
@@ -149,9 +144,7 @@ impl<S: Lanes, F: Field<S>, C: Classify> Composite<'_, S, F, C> {
                                 if let Some(near) = near {
                                     rgba = medium.lit(
                                         &ray.aim,
-                                        sample.index,
-                                        rgba,
-                                        visible,
+                                        &Unlit { rgba, value, index: sample.index, lanes: visible },
                                         #[inline(always)]
                                         || medium.field.gradients_near(s, &near, visible),
                                     );
@@ -171,9 +164,9 @@ impl<S: Lanes, F: Field<S>, C: Classify> Composite<'_, S, F, C> {
 }
 
 /// A packet on its way.
-struct Followed<S: Lanes> {
+struct Followed<'a, S: Lanes> {
     rays: Rays<S>,
-    march: March<S>,
+    march: March<'a, S>,
     counter: Counter<S>,
     ray: Accumulator<S>,
     open: bool,
@@ -230,12 +223,11 @@ impl<S: Lanes, F: Field<S>> Visit<S> for Compositing<'_, S, F> {
         }
         counter.see(visible);
         let middle = (segment.distance[0] + segment.distance[1]) * 0.5;
-        let index = self.rays.at(middle);
+        let (index, [front, back]) = (self.rays.at(middle), segment.value);
+        let value = (front.is_finite().select(front, back) + back.is_finite().select(back, front)) * 0.5;
         let rgba = medium.lit(
             &self.ray.aim,
-            index,
-            rgba,
-            visible,
+            &Unlit { rgba, value, index, lanes: visible },
             #[inline(always)]
             || medium.field.gradients(medium.s, index, visible),
         );

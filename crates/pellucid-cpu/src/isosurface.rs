@@ -9,7 +9,7 @@ use crate::lanes::*;
 use crate::packet::{Packet, Rays};
 use crate::segments::{Segment, Verdict, Visit, each_segment};
 use crate::skip::SkipGrid;
-use crate::surface::{Aim, Surface, normals};
+use crate::surface::{Aim, Surface, Unlit, normals};
 
 /// A surface, classified.
 #[derive(Clone, Copy, Debug)]
@@ -37,13 +37,21 @@ pub struct Isosurfaces<'a, S, F> {
     /// The field.
     pub field: F,
     /// Light, if surfaces are shaded.
-    pub surface: Option<Surface<'a>>,
+    pub surface: Option<Surface<'a, S>>,
     /// The surfaces, in ascending order.
     pub levels: Vec<Level>,
     /// Blocks that hold a surface, if the others are skipped.
     pub skip: Option<&'a SkipGrid>,
     /// Opacity at which a ray stops.
     pub early_termination: f32,
+}
+
+/// Lanes in which a level lies between two values that are there.
+#[inline(always)]
+pub fn between<S: Lanes>([front, back]: [F32<S>; 2], level: F32<S>) -> Mask<S> {
+    let (below, under) = (front.simd_lt(level), back.simd_lt(level));
+    let present = front.is_finite() & back.is_finite();
+    present & ((below & !under) | (!below & under))
 }
 
 /// Pieces of rays that surfaces cross.
@@ -132,16 +140,9 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
     fn crosses(&self, value: [F32<S>; 2]) -> Mask<S> {
         let mut any = all(self.s, false);
         for level in &self.levels {
-            any |= self.between(value, splat(self.s, level.value));
+            any |= between::<S>(value, splat(self.s, level.value));
         }
         any
-    }
-
-    #[inline(always)]
-    fn between(&self, [front, back]: [F32<S>; 2], level: F32<S>) -> Mask<S> {
-        let (below, under) = (front.simd_lt(level), back.simd_lt(level));
-        let present = front.is_finite() & back.is_finite();
-        present & ((below & !under) | (!below & under))
     }
 
     /// Adds the surfaces that segments cross, nearest first. Returns the rays that are done.
@@ -153,7 +154,7 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
         let rising = crossed.value[1].simd_gt(crossed.value[0]);
         for (up, down) in self.levels.iter().zip(self.levels.iter().rev()) {
             let level = rising.select(splat(s, up.value), splat(s, down.value));
-            let lanes = crossed.lanes & !done & self.between(crossed.value, level);
+            let lanes = crossed.lanes & !done & between::<S>(crossed.value, level);
             if !lanes.any_true() {
                 continue;
             }
@@ -165,7 +166,14 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
             let opacity = rising.select(splat(s, up.opacity), splat(s, down.opacity));
             let mut rgba = [base[0] * opacity, base[1] * opacity, base[2] * opacity, opacity];
             if let (Some(surface), Some(aim)) = (&self.surface, &met.aim) {
-                rgba = surface.shade(s, rgba, index, gradient, aim, lanes);
+                let sample = Unlit { rgba, value: level, index, lanes };
+                rgba = surface.shade(
+                    s,
+                    &sample,
+                    aim,
+                    #[inline(always)]
+                    || gradient,
+                );
             }
             let through = lanes.select(splat(s, 1.0) - met.color[3], splat(s, 0.0));
             met.color = rgba!(C => through.mul_add(rgba[C], met.color[C]));

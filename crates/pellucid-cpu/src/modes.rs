@@ -1,7 +1,7 @@
 //! The integrator of a stage's mode.
 
 use pellucid_field::{ComponentView, Filter, Gradient, Linear, Reconstruct, Sampler, Voxels, for_voxels};
-use pellucid_scene::{Classification, Combine, Mode};
+use pellucid_scene::{Classification, Combine, Isosurface, Mode};
 
 use crate::RenderError;
 use crate::classify::{Lookup, Post, Pre, Segments};
@@ -12,44 +12,69 @@ use crate::isosurface::{Isosurfaces, Level};
 use crate::lanes::{InstructionSet, Lanes, dispatch};
 use crate::prepare::Prepared;
 use crate::projection::{Additive, Average, Extreme, XRay};
+use crate::scatter::Scatter;
+use crate::shadow::{LightVolume, LightVolumes, Media, Shadow, Surfaces, ToLights};
 use crate::slice::Plane;
 use crate::surface::Surface;
 
 impl Prepared<'_> {
-    /// The integrator of the stage's mode, for an instruction set.
+    /// The integrator of the stage's mode, for an instruction set, in the light of volumes if there are
+    /// such.
     ///
     /// # Errors
     /// [`RenderError::Field`] if the filter's parameters are out of range.
-    pub fn integrator(&self, set: InstructionSet) -> Result<Box<dyn Integrator + '_>, RenderError> {
-        let sampler = Sampler::new(&self.tables.field, self.tables.component, self.tables.filter)?;
-        Ok(dispatch!(set, s => self.integrator_in(s, sampler)))
+    pub fn integrator<'a>(
+        &'a self,
+        set: InstructionSet,
+        lights: Option<&'a [LightVolume]>,
+    ) -> Result<Box<dyn Integrator + 'a>, RenderError> {
+        let sampler = self.sampler()?;
+        Ok(dispatch!(set, s => self.integrator_in(s, sampler, lights)))
+    }
+
+    /// The field as its filter reconstructs it.
+    ///
+    /// # Errors
+    /// [`RenderError::Field`] if the filter's parameters are out of range.
+    pub fn sampler(&self) -> Result<Sampler<'_>, RenderError> {
+        Ok(Sampler::new(&self.tables.field, self.tables.component, self.tables.filter)?)
     }
 
     /// The modes that most pictures have are compiled with the voxel type that most data have
     /// inside their loops. All others ask the field by one virtual call a packet.
-    fn integrator_in<'a, S: Lanes>(&'a self, s: S, sampler: Sampler<'a>) -> Box<dyn Integrator + 'a> {
+    fn integrator_in<'a, S: Lanes>(
+        &'a self,
+        s: S,
+        sampler: Sampler<'a>,
+        lights: Option<&'a [LightVolume]>,
+    ) -> Box<dyn Integrator + 'a> {
         let classification = self.stage.quality.classification;
+        let surface = self.surface(s, &sampler, lights);
         let common = match self.stage.mode() {
             Mode::Composite => classification != Classification::Pre,
             Mode::Maximum | Mode::Minimum | Mode::Isosurface(_) => true,
             _ => false,
         };
         if !common {
-            return self.rare(s, self.any(sampler));
+            return self.rare(s, self.any(sampler), surface);
         }
         if sampler.filter() == Filter::Linear && self.stage.quality.gradient == Gradient::Central {
-            let typed = match self.tables.field.voxels() {
-                Voxels::U8(data) => self.trilinear(data).map(|field| self.common(s, field)),
-                Voxels::U16(data) => self.trilinear(data).map(|field| self.common(s, field)),
-                Voxels::I16(data) => self.trilinear(data).map(|field| self.common(s, field)),
-                Voxels::F32(data) => self.trilinear(data).map(|field| self.common(s, field)),
-                _ => None,
-            };
-            if let Some(integrator) = typed {
-                return integrator;
+            macro_rules! typed {
+                ($data:expr) => {
+                    if let Some(field) = self.trilinear($data) {
+                        return self.common(s, field, surface);
+                    }
+                };
+            }
+            match self.tables.field.voxels() {
+                Voxels::U8(data) => typed!(data),
+                Voxels::U16(data) => typed!(data),
+                Voxels::I16(data) => typed!(data),
+                Voxels::F32(data) => typed!(data),
+                _ => {}
             }
         }
-        self.common(s, self.any(sampler))
+        self.common(s, self.any(sampler), surface)
     }
 
     fn probe<'a, R: Reconstruct>(&'a self, field: R) -> Probe<'a, R> {
@@ -62,7 +87,7 @@ impl Prepared<'_> {
     }
 
     /// The field of any filter and voxel type.
-    fn any<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
+    pub fn any<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
         let boxed = match self.tables.field.voxels() {
             Voxels::U32(_) | Voxels::I32(_) if !fits(&self.tables.field) => None,
             voxels => for_voxels!(voxels, data => self.boxed(data, &sampler)),
@@ -81,31 +106,32 @@ impl Prepared<'_> {
         Some(Box::new(Entered(field)))
     }
 
-    fn common<'a, S: Lanes, F: Field<S> + 'a>(&'a self, s: S, field: F) -> Box<dyn Integrator + 'a> {
+    fn common<'a, S: Lanes, F: Field<S> + 'a>(
+        &'a self,
+        s: S,
+        field: F,
+        surface: Option<Surface<'a, S>>,
+    ) -> Box<dyn Integrator + 'a> {
         let early_termination = self.stage.quality.early_termination;
         match self.stage.mode() {
             Mode::Maximum => self.extreme(s, field, false, false),
             Mode::Minimum => self.extreme(s, field, true, false),
-            Mode::Isosurface(isosurface) => {
-                let tf = &self.volume.transfer_function;
-                let levels: Vec<Level> = isosurface.isovalues.iter().map(|iso| Level::new(iso, tf)).collect();
-                Box::new(Isosurfaces {
-                    s,
-                    field,
-                    surface: self.surface(),
-                    levels,
-                    skip: self.grids.skip.as_ref(),
-                    early_termination,
-                })
-            }
+            Mode::Isosurface(isosurface) => Box::new(Isosurfaces {
+                s,
+                field,
+                surface,
+                levels: self.levels(isosurface),
+                skip: self.grids.skip.as_ref(),
+                early_termination,
+            }),
             _ => {
-                let medium = self.medium(s, field);
+                let medium = self.medium(s, field, surface);
                 match &self.tables.preintegration {
                     Some(table) => Box::new(PreIntegrated { medium, table: Segments(table) }),
                     None => {
                         let lookup = match &self.tables.stride_entries {
                             Some(entries) => Lookup::of_strides(entries, self.tables.step_table.nodes()),
-                            None => Lookup::of_steps(&self.tables.step_table),
+                            None => Lookup::of_steps(self.step_table()),
                         };
                         Box::new(Composite { medium, classifier: Post(lookup) })
                     }
@@ -114,7 +140,12 @@ impl Prepared<'_> {
         }
     }
 
-    fn rare<'a, S: Lanes>(&'a self, s: S, field: Any<'a, S>) -> Box<dyn Integrator + 'a> {
+    fn rare<'a, S: Lanes>(
+        &'a self,
+        s: S,
+        field: Any<'a, S>,
+        surface: Option<Surface<'a, S>>,
+    ) -> Box<dyn Integrator + 'a> {
         match self.stage.mode() {
             Mode::Average => Box::new(Average { s, field, table: Lookup::of_table(&self.tables.table), opaque: false }),
             Mode::Additive => {
@@ -141,14 +172,20 @@ impl Prepared<'_> {
                 let (volume, component) = (&*self.volume.volume, self.volume.component);
                 let filter = self.stage.quality.filter;
                 let classifier = Pre { table: &self.tables.step_table, volume, component, filter };
-                Box::new(Composite { medium: self.medium(s, field), classifier })
+                Box::new(Composite { medium: self.medium(s, field, surface), classifier })
             }
         }
     }
 
-    fn medium<'a, S: Lanes, F: Field<S>>(&'a self, s: S, field: F) -> Medium<'a, S, F> {
+    fn medium<'a, S: Lanes, F: Field<S>>(
+        &'a self,
+        s: S,
+        field: F,
+        surface: Option<Surface<'a, S>>,
+    ) -> Medium<'a, S, F> {
         let early_termination = self.stage.quality.early_termination;
-        Medium { s, field, surface: self.surface(), skip: self.grids.skip.as_ref(), early_termination }
+        let (skip, levels) = (self.grids.skip.as_ref(), self.grids.levels.as_ref());
+        Medium { s, field, surface, skip, levels, early_termination }
     }
 
     fn extreme<'a, S: Lanes, F: Field<S> + 'a>(
@@ -162,10 +199,57 @@ impl Prepared<'_> {
         Box::new(Extreme { s, field, table: Lookup::of_table(&self.tables.table), skip, minimum, opaque })
     }
 
-    fn surface(&self) -> Option<Surface<'_>> {
-        let material = self.volume.material.as_ref()?;
+    /// Light on samples, if they are lit at all.
+    fn surface<'a, S: Lanes>(
+        &'a self,
+        s: S,
+        sampler: &Sampler<'a>,
+        lights: Option<&'a [LightVolume]>,
+    ) -> Option<Surface<'a, S>> {
         let (weight, stage) = (self.volume.gradient_weight, self.stage);
+        let (material, scatter) = (self.volume.material, self.scatter());
+        if material.is_none() && scatter.is_none() {
+            return None;
+        }
         let world_from_index = self.grid().world_from_index();
-        Some(Surface::new(material, weight, &stage.lights, stage.ambient, world_from_index))
+        let surface =
+            Surface::new(material.unwrap_or_default(), weight, &stage.lights, stage.ambient, world_from_index);
+        let surface = surface.shadowed(self.shadow(s, sampler, lights));
+        Some(match scatter {
+            Some(scatter) => surface.scattering(scatter),
+            None => surface,
+        })
+    }
+
+    /// How samples scatter, if they are not surfaces.
+    pub fn scatter(&self) -> Option<Scatter<'_>> {
+        self.scattering.as_ref().map(|table| Scatter::new(&self.volume.scattering, table))
+    }
+
+    fn shadow<'a, S: Lanes>(
+        &'a self,
+        s: S,
+        sampler: &Sampler<'a>,
+        lights: Option<&'a [LightVolume]>,
+    ) -> Option<Box<dyn Shadow<S> + 'a>> {
+        if let Some(lights) = lights {
+            return Some(Box::new(LightVolumes::new(lights)));
+        }
+        let shadows = self.shadows.as_ref()?;
+        let (ways, skip) = (ToLights::new(self, shadows.length), self.grids.skip.as_ref());
+        let field = self.any(sampler.clone());
+        Some(match self.stage.mode() {
+            Mode::Isosurface(isosurface) => {
+                const ROUGHNESS_VOXELS: f64 = 2.0;
+                let away = (ROUGHNESS_VOXELS * self.grid().smallest_spacing() / shadows.length).max(1.0) as f32;
+                Box::new(Surfaces { s, field, levels: self.levels(isosurface), ways, away, skip })
+            }
+            _ => Box::new(Media { field, table: Lookup::of_steps(&shadows.table), ways, skip }),
+        })
+    }
+
+    fn levels(&self, isosurface: &Isosurface) -> Vec<Level> {
+        let tf = &self.volume.transfer_function;
+        isosurface.isovalues.iter().map(|iso| Level::new(iso, tf)).collect()
     }
 }

@@ -40,6 +40,15 @@ impl Packet {
     };
 }
 
+/// One over directions, very large along axes that they do not move on.
+#[inline(always)]
+pub fn inverse<S: Lanes>(s: S, direction: &Vec3<S>) -> Vec3<S> {
+    xyz!(I => {
+        let slow = direction[I].abs().simd_lt(splat(s, 1e-12));
+        splat(s, 1.0) / slow.select(splat(s, 1e-12), direction[I])
+    })
+}
+
 /// A packet in vectors.
 pub struct Rays<S: Lanes> {
     /// Continuous voxel index of the entry.
@@ -61,17 +70,29 @@ impl<S: Lanes> Rays<S> {
     #[inline(always)]
     pub fn new(s: S, packet: &Packet) -> Self {
         let direction = xyz!(I => load(s, &packet.direction[I]));
-        let inverse = xyz!(I => {
-            let slow = direction[I].abs().simd_lt(splat(s, 1e-12));
-            splat(s, 1.0) / slow.select(splat(s, 1e-12), direction[I])
-        });
         Self {
             origin: xyz!(I => load(s, &packet.origin[I])),
             direction,
-            inverse,
+            inverse: inverse(s, &direction),
             jitter: load(s, &packet.jitter),
             count: load(s, &packet.count),
             last_ratio: load(s, &packet.last_ratio),
+        }
+    }
+
+    /// Rays from index positions, so many steps long: none where that is 0.
+    #[inline(always)]
+    pub fn from(s: S, origin: Vec3<S>, direction: Vec3<S>, length: F32<S>) -> Self {
+        let (zero, one) = (splat(s, 0.0), splat(s, 1.0));
+        // A remainder below the precision of positions is no segment.
+        let count = (length - 1e-4).ceil().max(one);
+        Self {
+            origin,
+            direction,
+            inverse: inverse(s, &direction),
+            jitter: splat(s, 0.5),
+            count: length.simd_gt(zero).select(count, zero),
+            last_ratio: (length - (count - 1.0)).min(one),
         }
     }
 

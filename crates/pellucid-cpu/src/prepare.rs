@@ -4,10 +4,16 @@
 use std::sync::Arc;
 
 use pellucid_field::Grid;
-use pellucid_scene::{BlockContent, BlockMap, Region, Stage, StageVolume, TableCache, Tables};
+use pellucid_optics::{Albedo, DataRange, LightModel, ResolvedLight, ShadowRays, ShadowVolume, Shadows, StepTable};
+use pellucid_scene::{
+    BlockContent, BlockMap, Control, Mode, Region, Stage, StageVolume, TableCache, Tables, Technique,
+};
 
 use crate::RenderError;
-use crate::skip::{ExtremeGrid, SkipGrid};
+use crate::lanes::InstructionSet;
+use crate::scatter::ScatterTable;
+use crate::shadow::LightVolume;
+use crate::skip::{ExtremeGrid, Levels, SkipGrid};
 
 /// What is kept from frame to frame.
 #[derive(Default)]
@@ -16,18 +22,37 @@ pub struct Cache {
     pub tables: TableCache,
     grids: Option<(Arc<Tables>, Arc<Grids>)>,
     extremes: Option<(Arc<Vec<f32>>, Arc<ExtremeGrid>)>,
+    lights: Option<(LightSettings, Arc<Vec<LightVolume>>)>,
+}
+
+/// Everything that light volumes depend on besides tables.
+struct LightSettings {
+    tables: Arc<Tables>,
+    lights: Vec<ResolvedLight>,
+    region: Region,
+    resolution: f64,
+}
+
+impl LightSettings {
+    fn are(&self, prepared: &Prepared, resolution: f64) -> bool {
+        Arc::ptr_eq(&self.tables, &prepared.tables)
+            && self.lights == prepared.stage.lights
+            && self.region == prepared.region
+            && self.resolution == resolution
+    }
 }
 
 impl Cache {
     fn new_grids(&mut self, tables: &Tables) -> Grids {
         let (mut skip, mut extremes) = (None, None);
+        let levels = tables.blocks.as_ref().and_then(Levels::new);
         if let Some(blocks) = &tables.blocks {
             match &blocks.content {
                 BlockContent::Distances(distances) => skip = Some(SkipGrid::new(blocks, distances)),
                 BlockContent::Extremes(values) => extremes = Some(self.extremes(blocks, values)),
             }
         }
-        Grids { skip, extremes }
+        Grids { skip, levels, extremes }
     }
 
     /// Extremes depend on the data alone and are kept when optics change.
@@ -40,6 +65,34 @@ impl Cache {
                 grid
             }
         }
+    }
+
+    /// The light in the volume of a stage, if it asks for such: the last one, if neither lights nor what
+    /// holds them back has changed.
+    ///
+    /// # Errors
+    /// As [`LightVolume::new`].
+    pub fn lights(
+        &mut self,
+        prepared: &Prepared,
+        set: InstructionSet,
+        control: &Control,
+    ) -> Result<Option<Arc<Vec<LightVolume>>>, RenderError> {
+        let Shadows::Volume(ShadowVolume { resolution }) = prepared.stage.shadows else { return Ok(None) };
+        if *prepared.stage.mode() != Mode::Composite || !prepared.is_lit() {
+            return Ok(None);
+        }
+        if let Some((settings, lights)) = &self.lights
+            && settings.are(prepared, resolution)
+        {
+            return Ok(Some(lights.clone()));
+        }
+        let (tables, lights, region) =
+            (prepared.tables.clone(), prepared.stage.lights.clone(), prepared.region.clone());
+        let volume = |light: (usize, &ResolvedLight)| LightVolume::new(prepared, light, resolution, set, control);
+        let made: Arc<Vec<LightVolume>> = Arc::new(lights.iter().enumerate().map(volume).collect::<Result<_, _>>()?);
+        self.lights = Some((LightSettings { tables, lights, region, resolution }, made.clone()));
+        Ok(Some(made))
     }
 
     fn grids(&mut self, tables: &Arc<Tables>) -> Arc<Grids> {
@@ -58,6 +111,8 @@ impl Cache {
 pub struct Grids {
     /// Blocks that can contribute, for modes that know.
     pub skip: Option<SkipGrid>,
+    /// The strides that they allow, if steps adapt to the data.
+    pub levels: Option<Levels>,
     /// Extremes of blocks, for modes that project one.
     pub extremes: Option<Arc<ExtremeGrid>>,
 }
@@ -74,6 +129,20 @@ pub struct Prepared<'s> {
     pub tables: Arc<Tables>,
     /// What is leapt over.
     pub grids: Arc<Grids>,
+    /// What of scattering depends on the data, if samples scatter.
+    pub scattering: Option<ScatterTable>,
+    /// Associated colours of one step, if what samples scatter is not the transfer function's colour.
+    albedo: Option<StepTable>,
+    /// What the ways to lights need, if shadow rays are cast.
+    pub shadows: Option<ShadowSteps>,
+}
+
+/// Steps of shadow rays.
+pub struct ShadowSteps {
+    /// Their length in world units.
+    pub length: f64,
+    /// Associated colour and opacity of one.
+    pub table: StepTable,
 }
 
 impl<'s> Prepared<'s> {
@@ -90,12 +159,54 @@ impl<'s> Prepared<'s> {
         }
         let tables = cache.tables.tables(stage, volume)?;
         let grids = cache.grids(&tables);
-        Ok(Self { stage, volume, region: stage.region(volume), tables, grids })
+        let scatters = match stage.technique {
+            Technique::RayCast(_) => stage.light_model == LightModel::Scattering && *stage.mode() == Mode::Composite,
+            Technique::HalfAngle(_) => true,
+            _ => false,
+        };
+        let data = DataRange::of(&volume.volume);
+        let scattering = scatters.then(|| ScatterTable::new(&volume.scattering, &tables.table, &data)).transpose()?;
+        let albedo = (scatters && volume.scattering.albedo != Albedo::Color)
+            .then(|| {
+                let albedo = |value, entry| volume.scattering.at(value, entry).albedo;
+                StepTable::new(&tables.table.recolored(albedo), (stage.step / volume.unit_distance()) as f32)
+            })
+            .transpose()?;
+        let lit = scatters || volume.material.is_some();
+        let length = shadow_step(stage, volume).filter(|_| lit);
+        let steps = |length| {
+            let table = StepTable::new(&tables.table, (length / volume.unit_distance()) as f32)?;
+            Ok::<_, RenderError>(ShadowSteps { length, table })
+        };
+        let shadows = length.map(steps).transpose()?;
+        Ok(Self { stage, volume, region: stage.region(volume), tables, grids, scattering, albedo, shadows })
+    }
+
+    /// Associated colours of one step.
+    pub fn step_table(&self) -> &StepTable {
+        self.albedo.as_ref().unwrap_or(&self.tables.step_table)
+    }
+
+    /// Whether anything of the volume answers light.
+    pub fn is_lit(&self) -> bool {
+        self.scattering.is_some() || self.volume.material.is_some()
     }
 
     /// The grid all positions refer to.
     pub fn grid(&self) -> &Grid {
         self.volume.volume.grid()
+    }
+}
+
+/// The step of shadow rays in world units, if the stage asks for such.
+fn shadow_step(stage: &Stage, volume: &StageVolume) -> Option<f64> {
+    let smallest = volume.volume.grid().smallest_spacing();
+    match (&stage.technique, stage.mode(), stage.shadows) {
+        (Technique::RayCast(_), Mode::Composite | Mode::Isosurface(_), Shadows::Rays(rays)) => {
+            Some(rays.step * smallest)
+        }
+        (Technique::RayCast(_), Mode::Isosurface(_), Shadows::Volume(_)) => Some(ShadowRays::default().step * smallest),
+        _ => None,
     }
 }
 

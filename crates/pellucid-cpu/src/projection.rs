@@ -134,7 +134,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
                 // What rounding took from the sum (Kahan): values may be many times the width of what a
                 // transfer function tells apart.
                 let mut lost = splat(s, 0.0);
-                let mut march = March::new(s, rays);
+                let mut march = March::new(s, rays, None);
                 while march.run(
                     s,
                     rays,
@@ -213,7 +213,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
             #[inline(always)]
             |_, rays, traced, counter| {
                 let mut sum = [splat(s, 0.0); 3];
-                let mut march = March::new(s, rays);
+                let mut march = March::new(s, rays, None);
                 while march.run(
                     s,
                     rays,
@@ -268,7 +268,7 @@ impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
             #[inline(always)]
             |_, rays, traced, counter| {
                 let mut through = splat(s, 1.0);
-                let mut march = March::new(s, rays);
+                let mut march = March::new(s, rays, None);
                 while march.run(
                     s,
                     rays,

@@ -5,6 +5,7 @@ use std::time::Instant;
 use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, Technique};
 
 use crate::RenderError;
+use crate::half_angle;
 use crate::integrator::{Integrator, Traced};
 use crate::lanes::{InstructionSet, MOST_LANES};
 use crate::packet::Packet;
@@ -50,9 +51,9 @@ impl CpuRenderer {
         Ok(Self { pool: Some(pool), ..Self::default() })
     }
 
-    /// Whether this backend has a technique.
-    pub fn draws(technique: &Technique) -> bool {
-        !matches!(technique, Technique::Slicing(_))
+    /// Whether this backend has the technique that a stage asks for.
+    pub fn draws(stage: &Stage) -> bool {
+        !matches!(stage.technique, Technique::Slicing(_))
     }
 
     /// The same renderer with tiles of another side, in pixels (at least 1). The picture does not
@@ -118,10 +119,16 @@ fn render(
     match &stage.technique {
         Technique::RayCast(_) => {
             let prepared = Prepared::new(stage, volume, cache)?;
-            let integrator = prepared.integrator(set)?;
+            let lights = cache.lights(&prepared, set, control)?;
+            let integrator = prepared.integrator(set, lights.as_ref().map(|lights| lights.as_slice()))?;
             let emitter = Emitter::new(stage, prepared.grid(), &prepared.region, set);
             drawing = Instant::now();
             tiles.draw(control, |tile| draw_tile(stage, &emitter, integrator.as_ref(), control, tile))?;
+        }
+        Technique::HalfAngle(settings) => {
+            let prepared = Prepared::new(stage, volume, cache)?;
+            drawing = Instant::now();
+            half_angle::draw(&prepared, settings, set, control, tiles)?;
         }
         Technique::PathTrace(settings) => {
             let tracer = PathTracer::new(stage, volume, settings, &mut cache.tables)?;

@@ -27,17 +27,18 @@ pub struct Sample<S: Lanes> {
 }
 
 /// How far the rays of a packet have been followed.
-pub struct March<S: Lanes> {
+pub struct March<'a, S: Lanes> {
     k: F32<S>,
     open: Mask<S>,
+    levels: Option<&'a Levels>,
 }
 
-impl<S: Lanes> March<S> {
-    /// At the first samples.
+impl<'a, S: Lanes> March<'a, S> {
+    /// At the first samples, with the strides that blocks allow if steps adapt to the data.
     #[inline(always)]
-    pub fn new(s: S, rays: &Rays<S>) -> Self {
+    pub fn new(s: S, rays: &Rays<S>, levels: Option<&'a Levels>) -> Self {
         let k = splat(s, 0.0);
-        Self { k, open: rays.has(k) }
+        Self { k, open: rays.has(k), levels }
     }
 
     /// Visits the next [`RUN`] samples that can contribute, nearest first; `see` returns the lanes
@@ -53,15 +54,15 @@ impl<S: Lanes> March<S> {
         prefetch: impl Fn(Vec3<S>),
         mut see: impl FnMut(&Sample<S>, &mut Counter<S>) -> Mask<S>,
     ) -> bool {
-        let Self { mut k, mut open } = *self;
+        let Self { mut k, mut open, levels } = *self;
         let mut strides = None;
         if let Some(skip) = skip {
             let to = skip.leap(s, rays, k, open, Leap::Samples);
             counter.skip(to.min(rays.count) - k);
             k = to;
-            if let Some(levels) = skip.levels() {
-                strides = Some(Strides::at(s, rays, levels, k));
-            }
+        }
+        if let Some(levels) = levels {
+            strides = Some(Strides::at(s, rays, levels, k));
         }
         for number in 0..RUN {
             open &= rays.has(k);
@@ -81,7 +82,7 @@ impl<S: Lanes> March<S> {
             open &= !done;
             k += stride;
         }
-        *self = Self { k, open };
+        *self = Self { k, open, levels };
         open.any_true()
     }
 }

@@ -69,7 +69,6 @@ pub struct SkipGrid {
     layout: Layout,
     /// With room to read a word at the last one.
     distance: Vec<u8>,
-    levels: Option<Levels>,
 }
 
 /// The level of the stride that every block allows.
@@ -80,6 +79,12 @@ pub struct Levels {
 }
 
 impl Levels {
+    /// The levels of blocks, if they are not all 0.
+    pub fn new(blocks: &BlockMap) -> Option<Self> {
+        let levels = blocks.levels.as_deref()?;
+        Some(Self { layout: Layout::new(blocks), levels: with_room(levels) })
+    }
+
     /// The levels of the blocks at index positions.
     #[inline(always)]
     pub fn at<S: Lanes>(&self, s: S, p: &Vec3<S>) -> I32<S> {
@@ -94,14 +99,17 @@ impl Levels {
 impl SkipGrid {
     /// Blocks that are so many blocks away from one that can contribute.
     pub fn new(blocks: &BlockMap, distances: &[u8]) -> Self {
-        let layout = Layout::new(blocks);
-        let levels = blocks.levels.as_deref().map(|levels| Levels { layout, levels: with_room(levels) });
-        Self { layout, distance: with_room(distances), levels }
+        Self { layout: Layout::new(blocks), distance: with_room(distances) }
     }
 
-    /// The levels of strides, if they are not all 1 step.
-    pub fn levels(&self) -> Option<&Levels> {
-        self.levels.as_ref()
+    /// How many samples from the one at a position on, itself included, certainly add nothing, where
+    /// neighbours are `1 / inverse` apart; 0 where that one may.
+    #[inline(always)]
+    pub fn clear<S: Lanes>(&self, s: S, p: &Vec3<S>, inverse: &Vec3<S>) -> F32<S> {
+        let met = self.layout.meet(s, p);
+        let reach = self.distance(s, &met);
+        let steps = self.layout.leave(s, p, &met, reach, inverse).ceil().max(splat(s, 1.0));
+        reach.simd_gt(splat(s, 0.0)).select(steps, splat(s, 0.0))
     }
 
     #[inline(always)]

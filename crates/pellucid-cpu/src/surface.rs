@@ -1,10 +1,12 @@
-//! Local light at samples (5.4).
+//! Light at samples: local reflection (5.4), scattering, and what is left of lights on their way (6.1).
 
 use glam::{DAffine3, Vec3 as GlamVec3};
 use pellucid_optics::{GradientWeight, Incident, Material, ResolvedLight};
 
 use crate::field::lane_position;
 use crate::lanes::*;
+use crate::scatter::Scatter;
+use crate::shadow::Shadow;
 
 /// Unit normals out of the surface, towards lower values, and the lengths of the gradients. Zero
 /// where there is no gradient, so that lighting vanishes there instead of turning into NaN (5.3-1).
@@ -38,15 +40,27 @@ fn normalized<S: Lanes>(s: S, v: Vec3<S>) -> Vec3<S> {
     xyz!(I => usable.select(v[I] * inverse, splat(s, 0.0)))
 }
 
+/// The weight of a gradient magnitude: the vectors' form of [`GradientWeight::weight`].
+#[inline(always)]
+fn ramp<S: Lanes>(s: S, weight: &GradientWeight, magnitude: F32<S>) -> F32<S> {
+    let t = (magnitude - weight.low) * (1.0 / (weight.high - weight.low));
+    let t = t.max(splat(s, 0.0)).min(splat(s, 1.0));
+    t * t * (splat(s, 3.0) - t * 2.0)
+}
+
 /// Material and lights of a volume.
-pub struct Surface<'a> {
-    material: &'a Material,
+pub struct Surface<'a, S> {
+    material: Material,
     weight: Option<GradientWeight>,
+    /// How samples scatter, if they are not surfaces.
+    scatter: Option<Scatter<'a>>,
     ambient: f32,
-    /// Lights that are the same everywhere, at most [`MOST_DIRECTIONAL`].
-    directional: Vec<Incident>,
+    /// Lights that are the same everywhere, at most [`MOST_DIRECTIONAL`], with their numbers.
+    directional: Vec<(usize, Incident)>,
     /// All others.
-    local: Vec<&'a ResolvedLight>,
+    local: Vec<(usize, &'a ResolvedLight)>,
+    /// What holds their light back on its way, if anything does.
+    shadow: Option<Box<dyn Shadow<S> + 'a>>,
     world_from_index: DAffine3,
 }
 
@@ -60,6 +74,20 @@ pub struct Aim<S: Lanes> {
     pub to_eye: Vec3<S>,
     /// Unit vectors halfway between the eye and each directional light.
     halfway: [Vec3<S>; MOST_DIRECTIONAL],
+    /// What is scattered of each directional light, where that is the same along a ray.
+    weight: [[F32<S>; 3]; MOST_DIRECTIONAL],
+}
+
+/// Samples to be lit.
+pub struct Unlit<S: Lanes> {
+    /// Associated linear RGB and opacity.
+    pub rgba: [F32<S>; 4],
+    /// Data values.
+    pub value: F32<S>,
+    /// Index positions.
+    pub index: Vec3<S>,
+    /// Lanes that have a sample.
+    pub lanes: Mask<S>,
 }
 
 /// The light that leaves a surface: factors of its own colour, and highlights.
@@ -75,86 +103,169 @@ struct IncidentLanes<S: Lanes> {
     specular: bool,
 }
 
-impl<'a> Surface<'a> {
-    /// The material of a volume, gradient magnitudes between which unlit turns into lit, lights
-    /// of the world and the ambient light among them.
+impl<'a, S: Lanes> Surface<'a, S> {
+    /// A material and gradient magnitudes between which unlit turns into lit, lights of the world and
+    /// the ambient light among them.
     pub fn new(
-        material: &'a Material,
+        material: Material,
         weight: Option<GradientWeight>,
         lights: &'a [ResolvedLight],
         ambient: f32,
         world_from_index: DAffine3,
     ) -> Self {
-        let (everywhere, somewhere): (Vec<&ResolvedLight>, Vec<&ResolvedLight>) =
-            lights.iter().partition(|light| light.is_directional());
+        let (everywhere, somewhere): (Vec<_>, Vec<_>) =
+            lights.iter().enumerate().partition(|(_, light)| light.is_directional());
         let (prepared, more) = everywhere.split_at(everywhere.len().min(MOST_DIRECTIONAL));
         Self {
             material,
             weight,
+            scatter: None,
             ambient,
-            directional: prepared.iter().map(|light| light.incident(GlamVec3::ZERO)).collect(),
+            directional: prepared.iter().map(|(number, light)| (*number, light.incident(GlamVec3::ZERO))).collect(),
             local: more.iter().copied().chain(somewhere).collect(),
+            shadow: None,
             world_from_index,
         }
     }
 
-    /// What the directional lights need of rays, once for all of their samples.
-    #[inline(always)]
-    pub fn aim<S: Lanes>(&self, s: S, to_eye: Vec3<S>) -> Aim<S> {
-        let mut halfway = [[splat(s, 0.0); 3]; MOST_DIRECTIONAL];
-        for (halfway, light) in halfway.iter_mut().zip(&self.directional) {
-            *halfway = normalized(s, xyz!(I => splat(s, light.to_light[I]) + to_eye[I]));
-        }
-        Aim { to_eye, halfway }
+    /// The same, in the shadow of what holds light back.
+    pub fn shadowed(self, shadow: Option<Box<dyn Shadow<S> + 'a>>) -> Self {
+        Self { shadow, ..self }
     }
 
-    /// Lights samples at index positions. `rgba` is associated and stays so: light is weighted by
-    /// the sample's opacity, or transparent samples would glow (5.4-1). The vectors' form of
-    /// [`blinn_phong`](pellucid_optics::blinn_phong), which defines it.
+    /// The same lights on samples that scatter them.
+    pub fn scattering(self, scatter: Scatter<'a>) -> Self {
+        Self { scatter: Some(scatter), ..self }
+    }
+
+    /// What the directional lights need of rays, once for all of their samples.
     #[inline(always)]
-    pub fn shade<S: Lanes>(
+    pub fn aim(&self, s: S, to_eye: Vec3<S>) -> Aim<S> {
+        let mut halfway = [[splat(s, 0.0); 3]; MOST_DIRECTIONAL];
+        let mut weight = [[splat(s, 0.0); 3]; MOST_DIRECTIONAL];
+        for ((halfway, weight), (_, light)) in halfway.iter_mut().zip(&mut weight).zip(&self.directional) {
+            let to_light = xyz!(I => splat(s, light.to_light[I]));
+            *halfway = normalized(s, xyz!(I => to_light[I] + to_eye[I]));
+            if let Some((scatter, g)) = self.scatter.as_ref().and_then(Scatter::uniform) {
+                *weight = scatter.weight(s, splat(s, g), -dot::<S>(to_light, to_eye), all(s, true));
+            }
+        }
+        Aim { to_eye, halfway, weight }
+    }
+
+    /// Lights samples by all lights, of which shadows leave their share. The gradient is asked for where
+    /// there are surfaces only.
+    #[inline(always)]
+    pub fn shade(&self, s: S, sample: &Unlit<S>, aim: &Aim<S>, gradient: impl FnOnce() -> Vec3<S>) -> [F32<S>; 4] {
+        self.shade_through(
+            s,
+            sample,
+            aim,
+            gradient,
+            #[inline(always)]
+            |light| match &self.shadow {
+                Some(shadow) => shadow.through(s, light, &sample.index, sample.lanes),
+                None => splat(s, 1.0),
+            },
+        )
+    }
+
+    /// Lights samples, where `through` says what share of a light, by its number, arrives. Colours are
+    /// associated and stay so: light is weighted by the sample's opacity, or transparent samples would glow
+    /// (5.4-1). The vectors' form of [`blinn_phong`](pellucid_optics::blinn_phong), which defines it, and
+    /// of `C = E ((1 - S) P + S f)` for samples that scatter (K-10, K-11).
+    #[inline(always)]
+    pub fn shade_through(
         &self,
         s: S,
-        rgba: [F32<S>; 4],
-        index: Vec3<S>,
-        gradient: Vec3<S>,
+        sample: &Unlit<S>,
         aim: &Aim<S>,
-        lanes: Mask<S>,
+        gradient: impl FnOnce() -> Vec3<S>,
+        through: impl Fn(usize) -> F32<S>,
     ) -> [F32<S>; 4] {
-        let (material, zero) = (self.material, splat(s, 0.0));
-        let (mut normal, magnitude) = normals(s, gradient);
-        if material.two_sided {
-            let away = dot::<S>(normal, aim.to_eye).simd_lt(zero);
-            normal = xyz!(I => away.select(-normal[I], normal[I]));
+        let (material, zero, one) = (&self.material, splat(s, 0.0), splat(s, 1.0));
+        let Unlit { rgba, value, index, lanes } = *sample;
+        let cloud = self.scatter.as_ref().map(
+            #[inline(always)]
+            |scatter| (scatter, scatter.at(s, value)),
+        );
+        let has_surface = match &cloud {
+            None => true,
+            Some((scatter, found)) => {
+                scatter.by_gradient().is_some() || (lanes & found.surface.simd_gt(zero)).any_true()
+            }
+        };
+        let (mut normal, mut magnitude) = ([zero; 3], zero);
+        if has_surface {
+            (normal, magnitude) = normals(s, gradient());
+            if material.two_sided {
+                let away = dot::<S>(normal, aim.to_eye).simd_lt(zero);
+                normal = xyz!(I => away.select(-normal[I], normal[I]));
+            }
         }
         let unlit = splat(s, material.emission + material.ambient * self.ambient);
-        let mut reflected = Reflected { diffuse: [unlit; 3], specular: [zero; 3] };
-        for (light, halfway) in self.directional.iter().zip(&aim.halfway) {
+        let mut reflected = Reflected { diffuse: [if cloud.is_some() { zero } else { unlit }; 3], specular: [zero; 3] };
+        let mut scattered = [zero; 3];
+        for ((number, light), (halfway, weight)) in self.directional.iter().zip(aim.halfway.iter().zip(&aim.weight)) {
+            let through = through(*number);
             let to_light = xyz!(I => splat(s, light.to_light[I]));
-            let radiance = xyz!(I => splat(s, light.radiance[I]));
+            let radiance = xyz!(I => through * light.radiance[I]);
             let light = IncidentLanes { to_light, radiance, specular: light.specular };
-            self.reflect(s, &mut reflected, &light, &normal, halfway);
+            if has_surface {
+                self.reflect(s, &mut reflected, &light, &normal, halfway);
+            }
+            if let Some((scatter, found)) = &cloud {
+                let weight = match scatter.uniform() {
+                    Some(_) => *weight,
+                    None => scatter.weight(s, found.g, -dot::<S>(light.to_light, aim.to_eye), lanes),
+                };
+                scattered = xyz!(C => weight[C].mul_add(light.radiance[C], scattered[C]));
+            }
         }
-        for light in &self.local {
-            let light = self.incident(s, light, &index, lanes);
-            let halfway = normalized(s, xyz!(I => light.to_light[I] + aim.to_eye[I]));
-            self.reflect(s, &mut reflected, &light, &normal, &halfway);
+        for (number, light) in &self.local {
+            let through = through(*number);
+            let IncidentLanes { to_light, radiance, specular } = self.incident(s, light, &index, lanes);
+            let light = IncidentLanes::<S> { to_light, radiance: xyz!(C => radiance[C] * through), specular };
+            if has_surface {
+                let halfway = normalized(s, xyz!(I => light.to_light[I] + aim.to_eye[I]));
+                self.reflect(s, &mut reflected, &light, &normal, &halfway);
+            }
+            if let Some((scatter, found)) = &cloud {
+                let weight = scatter.weight(s, found.g, -dot::<S>(light.to_light, aim.to_eye), lanes);
+                scattered = xyz!(C => weight[C].mul_add(light.radiance[C], scattered[C]));
+            }
         }
         let Reflected { mut diffuse, mut specular } = reflected;
-        if let Some(weight) = &self.weight {
-            let t = (magnitude - weight.low) * (1.0 / (weight.high - weight.low));
-            let t = t.max(zero).min(splat(s, 1.0));
-            let t = t * t * (splat(s, 3.0) - t * 2.0);
-            diffuse = xyz!(C => lerp::<S>(t, splat(s, 1.0), diffuse[C]));
+        if let Some((scatter, found)) = &cloud {
+            let share = match scatter.by_gradient() {
+                Some(weight) => ramp(s, weight, magnitude),
+                None => found.surface,
+            };
+            diffuse = xyz!(C => lerp::<S>(share, scattered[C], diffuse[C]) + unlit);
+            specular = xyz!(C => specular[C] * share);
+        }
+        if let (Some(weight), None) = (&self.weight, &cloud) {
+            let t = ramp(s, weight, magnitude);
+            diffuse = xyz!(C => lerp::<S>(t, one, diffuse[C]));
             specular = xyz!(C => specular[C] * t);
         }
         let [r, g, b] = xyz!(C => rgba[C].mul_add(diffuse[C], specular[C] * rgba[3]));
         [lanes.select(r, zero), lanes.select(g, zero), lanes.select(b, zero), rgba[3]]
     }
 
+    /// The radiance of the first light at index positions, were nothing in between.
+    #[inline(always)]
+    pub fn radiance(&self, s: S, index: &Vec3<S>, lanes: Mask<S>) -> [F32<S>; 3] {
+        match (self.directional.first(), self.local.first()) {
+            (Some((_, light)), _) => xyz!(C => splat(s, light.radiance[C])),
+            (None, Some((_, light))) => self.incident(s, light, index, lanes).radiance,
+            (None, None) => [splat(s, 0.0); 3],
+        }
+    }
+
     /// Adds the light that is reflected from one source.
     #[inline(always)]
-    fn reflect<S: Lanes>(
+    fn reflect(
         &self,
         s: S,
         reflected: &mut Reflected<S>,
@@ -162,7 +273,7 @@ impl<'a> Surface<'a> {
         normal: &Vec3<S>,
         halfway: &Vec3<S>,
     ) {
-        let (material, zero) = (self.material, splat(s, 0.0));
+        let (material, zero) = (&self.material, splat(s, 0.0));
         // Also 0 for the normal 0: light is reflected at boundaries only.
         let facing = dot::<S>(*normal, light.to_light).max(zero);
         let diffuse = facing * material.diffuse;
@@ -178,7 +289,7 @@ impl<'a> Surface<'a> {
 
     /// A local light at every lane, one after the other.
     #[inline(never)]
-    fn incident<S: Lanes>(&self, s: S, light: &ResolvedLight, index: &Vec3<S>, lanes: Mask<S>) -> IncidentLanes<S> {
+    fn incident(&self, s: S, light: &ResolvedLight, index: &Vec3<S>, lanes: Mask<S>) -> IncidentLanes<S> {
         let zero = splat(s, 0.0);
         let mut found = IncidentLanes::<S> { to_light: [zero; 3], radiance: [zero; 3], specular: false };
         let bits = lanes.to_bitmask();

@@ -105,6 +105,21 @@ impl Tiles {
         }
     }
 
+    /// Those of the picture.
+    pub fn all(&self) -> &[Tile] {
+        &self.tiles[..self.count]
+    }
+
+    /// Those of the picture, to be drawn into.
+    pub fn all_mut(&mut self) -> &mut [Tile] {
+        &mut self.tiles[..self.count]
+    }
+
+    /// Forgets what was drawn.
+    pub fn clear(&mut self) {
+        self.all_mut().par_iter_mut().for_each(Tile::clear);
+    }
+
     /// Draws every tile on the current thread pool, reporting progress.
     ///
     /// # Errors

@@ -14,7 +14,7 @@ use pellucid_optics::{
 };
 use pellucid_scene::{Cancel, Control, Frame, Majorants, Mode, PathTrace, RayCast, Scene, Stage, Technique};
 
-const DARK: Lighting = Lighting { lights: Vec::new(), ambient: 0.0 };
+const DARK: Lighting = Lighting::dark();
 const WHITE: Environment = Environment::Constant { color: Color::WHITE, intensity: 1.0 };
 
 /// The picture of a volume by paths, orthographic along +y, of 16 x 16 pixels.

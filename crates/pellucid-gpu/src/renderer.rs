@@ -5,8 +5,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pellucid_field::Volume;
+use pellucid_optics::{LightModel, Shadows};
 use pellucid_scene::{
-    Control, Frame, FrameStatistics, RenderWarning, Stage, StageVolume, TableCache, Tables, Technique,
+    Control, Frame, FrameStatistics, Mode, RenderWarning, Stage, StageVolume, TableCache, Tables, Technique,
 };
 
 use crate::bricks::{self, Brick};
@@ -103,9 +104,24 @@ impl GpuRenderer {
         }
     }
 
-    /// Whether this backend has a technique.
-    pub fn draws(technique: &Technique) -> bool {
-        !matches!(technique, Technique::PathTrace(_))
+    /// Whether this backend has all that a stage asks for: its technique, and how its light travels.
+    pub fn draws(stage: &Stage) -> bool {
+        Self::lacks(stage).is_none()
+    }
+
+    /// What a stage asks for and this backend does not have, if anything.
+    fn lacks(stage: &Stage) -> Option<String> {
+        let lit = matches!(stage.mode(), Mode::Composite | Mode::Isosurface(_));
+        match &stage.technique {
+            Technique::PathTrace(_) | Technique::HalfAngle(_) => Some(stage.technique.name().to_owned()),
+            Technique::RayCast(_) if lit && stage.shadows != Shadows::None => {
+                Some(format!("lighting.shadows = {}", stage.shadows.name()))
+            }
+            Technique::RayCast(_) if lit && stage.light_model == LightModel::Scattering => {
+                Some("lighting.model = scattering".to_owned())
+            }
+            Technique::RayCast(_) | Technique::Slicing(_) => None,
+        }
     }
 
     /// The same renderer with another interpolation.
@@ -207,8 +223,8 @@ impl GpuRenderer {
         let [volume] = stage.volumes.as_slice() else {
             return Err(GpuError::Volumes { found: stage.volumes.len() });
         };
-        if !Self::draws(&stage.technique) {
-            return Err(GpuError::Unsupported { what: stage.technique.name().to_owned() });
+        if let Some(what) = Self::lacks(stage) {
+            return Err(GpuError::Unsupported { what });
         }
         check_steps(stage, volume)?;
         let tables = self.tables.tables(stage, volume)?;

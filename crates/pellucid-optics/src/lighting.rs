@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Frame, Light, LightKind};
+use crate::{Frame, Light, LightKind, LightModel, Shadows};
 
 /// The lights of a scene and the ambient light among them. The default is a headlight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -15,6 +15,11 @@ pub struct Lighting {
     /// not negative (5.4-6).
     #[schemars(range(min = 0.0))]
     pub ambient: f32,
+    /// Whether what lies between a light and a sample holds light back; default none. Ray caster only: other
+    /// techniques have shadows of their own or none.
+    pub shadows: Shadows,
+    /// How samples of composited volumes answer light; default surface. Ray caster only.
+    pub model: LightModel,
 }
 
 impl Default for Lighting {
@@ -26,7 +31,7 @@ impl Default for Lighting {
 impl Lighting {
     /// One light that shines from the eye, of intensity 1.
     pub fn headlight() -> Self {
-        Self { lights: vec![from_camera([0.0, 0.0, -1.0], 1.0, true)], ambient: 0.3 }
+        Self { lights: vec![from_camera([0.0, 0.0, -1.0], 1.0, true)], ambient: 0.3, ..Self::dark() }
     }
 
     /// A key light from the upper left, a fill light of less than half its strength from the
@@ -36,7 +41,12 @@ impl Lighting {
         let key = from_camera([0.5, -0.6, -0.8], 0.9, true);
         let fill = from_camera([-0.8, -0.1, -0.6], 0.35, false);
         let back = from_camera([0.2, 0.7, 0.7], 0.2, false);
-        Self { lights: vec![key, fill, back], ambient: 0.0 }
+        Self { lights: vec![key, fill, back], ambient: 0.0, ..Self::dark() }
+    }
+
+    /// No light at all.
+    pub const fn dark() -> Self {
+        Self { lights: Vec::new(), ambient: 0.0, shadows: Shadows::None, model: LightModel::Surface }
     }
 }
 

@@ -41,6 +41,15 @@ impl Table {
         Self { nodes, entries }
     }
 
+    /// The same opacities with other colours, linear RGB by data value and entry.
+    pub fn recolored(&self, color: impl Fn(f64, [f32; 4]) -> [f32; 3]) -> Self {
+        let entry = |(node, &entry): (usize, &[f32; 4])| {
+            let [r, g, b] = color(self.nodes.value(node), entry);
+            [r, g, b, entry[3]]
+        };
+        Self { nodes: self.nodes, entries: self.entries.iter().enumerate().map(entry).collect() }
+    }
+
     /// Where the entries are.
     pub fn nodes(&self) -> &Nodes {
         &self.nodes

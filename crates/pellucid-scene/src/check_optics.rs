@@ -3,7 +3,8 @@
 use glam::DAffine3;
 use pellucid_field::{Filter, Gradient};
 use pellucid_optics::{
-    ColorMap, Environment, GradientWeight, Light, LightKind, Material, OpticsError, Preset, Scattering, opacity_shape,
+    ColorMap, Environment, GradientWeight, Light, LightKind, Material, OpticsError, Preset, Scattering, Shadows,
+    opacity_shape,
 };
 
 use crate::Invalid;
@@ -43,6 +44,14 @@ fn light_key(light: &Light, error: &OpticsError) -> String {
         _ => return String::new(),
     };
     format!("kind.{kind}.{key}")
+}
+
+/// Settings of shadows are within their ranges.
+pub(crate) fn shadows(path: &str, shadows: &Shadows) -> Checked {
+    shadows.validate().map_err(|error| {
+        let name = if let OpticsError::Parameter { name, .. } = error { name } else { "" };
+        invalid(path, &join(shadows.name(), name), &error)
+    })
 }
 
 /// A material is within its ranges.

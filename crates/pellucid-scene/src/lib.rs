@@ -44,6 +44,6 @@ pub use scene::{Crop, SampleSource, Scene, Source, VolumeEntry};
 pub use strides::SAMPLES_PER_LOOK;
 pub use tables::{TableCache, TableError, Tables};
 pub use technique::{
-    BlendOrder, ColorWeight, Combine, Correction, Isosurface, Isovalue, Majorants, Mode, PathTrace, Proxy, RayCast,
-    Slice, SliceGeometry, SliceTarget, Slicing, Technique,
+    BlendOrder, BlurJitter, BlurScaling, ColorWeight, Combine, Correction, HalfAngle, InScatter, Isosurface, Isovalue,
+    LightCorrection, Majorants, Mode, PathTrace, Proxy, RayCast, Slice, SliceGeometry, SliceTarget, Slicing, Technique,
 };

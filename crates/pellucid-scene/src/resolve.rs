@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 use pellucid_field::{FieldError, Grid, Volume};
 use pellucid_optics::{
-    GradientWeight, Light, Lighting, Material, OpticsError, ResolvedLight, Scattering, TransferFunction,
+    GradientWeight, Light, LightModel, Lighting, Material, OpticsError, ResolvedLight, Scattering, Shadows,
+    TransferFunction,
 };
 
 use crate::auto;
@@ -49,6 +50,10 @@ pub struct Stage {
     pub lights: Vec<ResolvedLight>,
     /// Light from everywhere, reflected by the materials' ambient part.
     pub ambient: f32,
+    /// Whether what lies between a light and a sample holds light back.
+    pub shadows: Shadows,
+    /// How samples answer light.
+    pub light_model: LightModel,
     /// Technique and its settings; isovalues ascend.
     pub technique: Technique,
     /// Quality settings.
@@ -123,6 +128,8 @@ impl Scene {
         let stage = Stage {
             lights: world_lights(&self.lighting, &viewpoint)?,
             ambient: self.lighting.ambient,
+            shadows: self.lighting.shadows,
+            light_model: self.lighting.model,
             volumes: staged,
             viewpoint,
             technique: self.ordered_technique(),

@@ -253,6 +253,7 @@ impl Scene {
         }
         let ambient = self.lighting.ambient;
         require(ambient >= 0.0 && ambient.is_finite(), "lighting", "ambient", ambient, "0 or more")?;
+        check_optics::shadows("lighting.shadows", &self.lighting.shadows)?;
         for (k, clip) in self.clips.iter().enumerate() {
             clip.check(&format!("clips[{k}]"))?;
         }

@@ -21,7 +21,9 @@ impl Stage {
     /// Whether voxels are classified and their colours interpolated (4.2).
     pub fn classifies_voxels(&self) -> bool {
         let asked = self.quality.classification == Classification::Pre;
-        asked && matches!(self.mode(), Mode::Composite) && !matches!(self.technique, Technique::PathTrace(_))
+        asked
+            && matches!(self.mode(), Mode::Composite)
+            && !matches!(self.technique, Technique::PathTrace(_) | Technique::HalfAngle(_))
     }
 
     /// The clips of a volume and, for a thick slice, the planes of its slab.

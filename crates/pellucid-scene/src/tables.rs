@@ -53,6 +53,7 @@ struct Settings {
     unit_distance: f64,
     quality: Quality,
     mode: Mode,
+    classifies_voxels: bool,
 }
 
 impl Default for TableCache {
@@ -87,6 +88,7 @@ impl TableCache {
             unit_distance: volume.unit_distance(),
             quality: stage.quality.clone(),
             mode: stage.mode().clone(),
+            classifies_voxels: stage.classifies_voxels(),
         };
         match &self.tables {
             Some((of, tables)) if Arc::ptr_eq(&tables.volume, &volume.volume) && *of == settings => Ok(tables.clone()),

@@ -134,6 +134,20 @@ fn toml_errors_point_at_their_line() {
             "[[volumes]]\nsource = 'memory'\n[volumes.material]\ndiffuse = 0.5\n@shininess = 0\n",
             &["volumes[0].material.shininess", "1 to 1000"],
         ),
+        ("[technique.half_angle]\n@taps = 17\n", &["technique.half_angle.taps: found 17, expected 1 to 16"]),
+        (
+            "[technique.half_angle]\ntaps = 3\n@blur_angle = 100\n",
+            &["technique.half_angle.blur_angle: found 100, expected 0 to 90 degrees"],
+        ),
+        (
+            "[technique.half_angle]\n@resolution = 8\n",
+            &["technique.half_angle.resolution: found 8, expected 16 to 4096 texels"],
+        ),
+        ("[lighting.shadows.rays]\n@step = 0\n", &["lighting.shadows.rays.step", "0.01 to 100 voxel spacings"]),
+        (
+            "[lighting.shadows.volume]\n@resolution = 9\n",
+            &["lighting.shadows.volume.resolution", "0.05 to 4 points for each voxel"],
+        ),
         ("[technique.path_trace]\n@samples = 0\n", &["technique.path_trace.samples: found 0, expected 1 to 1048576"]),
         (
             "[technique.path_trace]\nsamples = 1\n@noise = 2\n",

@@ -225,7 +225,47 @@ fn lighting() -> impl Strategy<Value = Lighting> {
     ];
     let light = (kind, color(), 0.0f32..100.0, select(vec![Frame::World, Frame::Camera]), any::<bool>())
         .prop_map(|(kind, color, intensity, frame, specular)| Light { kind, color, intensity, frame, specular });
-    (vec(light, 0..4), 0.0f32..3.0).prop_map(|(lights, ambient)| Lighting { lights, ambient })
+    let shadows = prop_oneof![
+        Just(Shadows::None),
+        (0.01..100.0f64).prop_map(|step| Shadows::Rays(ShadowRays { step })),
+        (0.05..4.0f64).prop_map(|resolution| Shadows::Volume(ShadowVolume { resolution })),
+    ];
+    let model = select(vec![LightModel::Surface, LightModel::Scattering]);
+    (vec(light, 0..4), 0.0f32..3.0, shadows, model).prop_map(|(lights, ambient, shadows, model)| Lighting {
+        lights,
+        ambient,
+        shadows,
+        model,
+    })
+}
+
+fn half_angle() -> impl Strategy<Value = HalfAngle> {
+    let factor = || 0.0f32..=10.0;
+    let jitter = (select(vec![BlurJitter::Fixed, BlurJitter::PerSlice]), any::<u32>());
+    let in_scatter = vec![InScatter::Direct, InScatter::DirectFromMatter, InScatter::BothFromMatter];
+    let choices = (select(vec![LightCorrection::HalfSlab, LightCorrection::None]), select(in_scatter), any::<bool>());
+    let scaling = select(vec![BlurScaling::PerSlice, BlurScaling::PerDistance]);
+    let blur = (0.0..=90.0f64, 1u32..=16, jitter, scaling);
+    (of(0usize..9), 16u32..=4096, choices, [factor(), factor(), factor()], blur).prop_map(
+        |(light, resolution, (correction, in_scatter, ambient), [direct, indirect, initial_indirect], blur)| {
+            let (blur_angle, taps, (jitter, seed), blur_scaling) = blur;
+            HalfAngle {
+                light,
+                resolution,
+                correction,
+                direct,
+                indirect,
+                initial_indirect,
+                blur_angle,
+                taps,
+                jitter,
+                seed,
+                blur_scaling,
+                in_scatter,
+                ambient,
+            }
+        },
+    )
 }
 
 fn technique() -> impl Strategy<Value = Technique> {
@@ -241,9 +281,10 @@ fn technique() -> impl Strategy<Value = Technique> {
         slice.prop_map(Mode::Slice),
     ];
     prop_oneof![
-        mode.clone().prop_map(|mode| Technique::RayCast(RayCast { mode })),
-        slicing(mode).prop_map(Technique::Slicing),
-        path_trace().prop_map(Technique::PathTrace)
+        3 => mode.clone().prop_map(|mode| Technique::RayCast(RayCast { mode })),
+        1 => slicing(mode).prop_map(Technique::Slicing),
+        1 => half_angle().prop_map(Technique::HalfAngle),
+        1 => path_trace().prop_map(Technique::PathTrace),
     ]
 }
 

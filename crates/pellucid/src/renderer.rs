@@ -5,7 +5,7 @@ use std::fmt;
 use pellucid_cpu::{CpuRenderer, InstructionSet};
 #[cfg(feature = "gpu")]
 use pellucid_gpu::{AdapterChoice, Ceiling, GpuRenderer};
-use pellucid_scene::{Choice, Control, Frame, Stage, Technique};
+use pellucid_scene::{Choice, Control, Frame, Stage};
 
 /// What draws a stage. Every backend draws the same picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,13 +23,13 @@ pub enum Backend {
 }
 
 impl Backend {
-    /// Whether it has a technique; automatically chosen, one of them has.
-    pub fn draws(self, technique: &Technique) -> bool {
+    /// Whether it has all that a stage asks for; automatically chosen, one of them has.
+    pub fn draws(self, stage: &Stage) -> bool {
         match self {
             Self::Auto => true,
-            Self::Cpu => CpuRenderer::draws(technique),
+            Self::Cpu => CpuRenderer::draws(stage),
             #[cfg(feature = "gpu")]
-            Self::Gpu => GpuRenderer::draws(technique),
+            Self::Gpu => GpuRenderer::draws(stage),
         }
     }
 }

@@ -17,7 +17,7 @@ fn compare(mut gpu: GpuRenderer, least_psnr: f64, most: u8) -> Vec<String> {
         let (scene, stage) = stage(&path);
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
         // What only one of them draws is compared with its stored picture.
-        if ![Backend::Cpu, Backend::Gpu].iter().all(|backend| backend.draws(&stage.technique)) {
+        if ![Backend::Cpu, Backend::Gpu].iter().all(|backend| backend.draws(&stage)) {
             continue;
         }
         let found = gpu.render(&stage, &Control::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -48,7 +48,7 @@ fn rays_that_are_followed_in_turns_draw_the_same_bits() {
     let mut wavefront = gpu(&Ceiling::default()).with_passes(Passes::Wavefront);
     for path in scenes().into_iter().filter(|path| !path.to_string_lossy().contains("marschner-lobb")) {
         let (_, mut stage) = stage(&path);
-        if !Backend::Gpu.draws(&stage.technique) || stage.slicing().is_some() {
+        if !Backend::Gpu.draws(&stage) || stage.slicing().is_some() {
             continue;
         }
         stage.quality.supersampling = 2;

@@ -8,6 +8,9 @@ use crate::lanes::*;
 
 /// The box and the clip planes around a field, in index space.
 pub struct Bounds {
+    /// The box, and the last voxel.
+    low: [f32; 3],
+    high: [f32; 3],
     last: [f32; 3],
     /// Half-spaces `normal . p >= offset`.
     planes: Vec<([f32; 3], f32)>,
@@ -24,7 +27,8 @@ impl Bounds {
             ((index_normal / length).as_vec3().to_array(), (offset / length) as f32)
         };
         let planes = region.half_spaces().iter().map(plane).collect();
-        Self { last: grid.dims().map(|n| (n - 1) as f32), planes }
+        let [low, high] = <[DVec3; 2]>::from(grid.index_bounds()).map(|corner| corner.as_vec3().to_array());
+        Self { low, high, last: grid.dims().map(|n| (n - 1) as f32), planes }
     }
 
     /// Whether nothing but the box bounds the field.
@@ -41,6 +45,26 @@ impl Bounds {
             clear &= dot::<S>(xyz!(I => splat(s, normal[I])), *p).simd_ge(splat(s, offset + deepest));
         }
         clear
+    }
+
+    /// How often a direction fits into the way from positions inside to the border of the box or region;
+    /// 0 for positions outside. `inverse` is one over the direction, very large where that is 0.
+    #[inline(always)]
+    pub fn exit<S: Lanes>(&self, s: S, p: &Vec3<S>, direction: &Vec3<S>, inverse: &Vec3<S>) -> F32<S> {
+        let zero = splat(s, 0.0);
+        let mut nearest = splat(s, f32::INFINITY);
+        for axis in 0..3 {
+            let border = inverse[axis].simd_gt(zero).select(splat(s, self.high[axis]), splat(s, self.low[axis]));
+            nearest = nearest.min((border - p[axis]) * inverse[axis]);
+        }
+        for (normal, offset) in &self.planes {
+            let normal = xyz!(I => splat(s, normal[I]));
+            let (slope, above) = (dot::<S>(normal, *direction), dot::<S>(normal, *p) - *offset);
+            let leaves = slope.simd_lt(splat(s, -1e-12));
+            let crossing = above / leaves.select(-slope, splat(s, 1.0));
+            nearest = leaves.select(nearest.min(crossing), nearest);
+        }
+        nearest.max(zero)
     }
 
     /// Whether the taps one index step before and after a position along an axis exist. The

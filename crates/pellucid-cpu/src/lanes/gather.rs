@@ -194,15 +194,22 @@ mod x86 {
             unsafe {
                 // Unsigned: nothing is left to do to a lane's offset but to add it.
                 let numbers: Self::u32s = (offsets << SHIFT).bitcast();
-                let row = |lane: usize| _mm_loadu_ps(base.wrapping_add(numbers[lane] as usize));
+                // Macros, as closures are compiled without the instructions where they are not inlined.
+                macro_rules! row {
+                    ($lane:expr) => {
+                        _mm_loadu_ps(base.wrapping_add(numbers[$lane] as usize))
+                    };
+                }
                 // Lane i of a quarter beside lanes i + 4, i + 8 and i + 12.
-                let four = |lane: usize| {
-                    let v = _mm512_castps128_ps512(row(lane));
-                    let v = _mm512_insertf32x4::<1>(v, row(lane + 4));
-                    let v = _mm512_insertf32x4::<2>(v, row(lane + 8));
-                    _mm512_insertf32x4::<3>(v, row(lane + 12))
-                };
-                let (a, b, c, d) = (four(0), four(1), four(2), four(3));
+                macro_rules! four {
+                    ($lane:expr) => {{
+                        let v = _mm512_castps128_ps512(row!($lane));
+                        let v = _mm512_insertf32x4::<1>(v, row!($lane + 4));
+                        let v = _mm512_insertf32x4::<2>(v, row!($lane + 8));
+                        _mm512_insertf32x4::<3>(v, row!($lane + 12))
+                    }};
+                }
+                let (a, b, c, d) = (four!(0), four!(1), four!(2), four!(3));
                 let (ab, cd) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
                 let (ab2, cd2) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
                 let (ab, cd) = (_mm512_castps_pd(ab), _mm512_castps_pd(cd));

@@ -6,9 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::{Checked, direction, finite, require};
 
+mod half_angle;
 mod path_trace;
 mod slicing;
 
+pub use half_angle::{BlurJitter, BlurScaling, HalfAngle, InScatter, LightCorrection};
 pub use path_trace::{Majorants, PathTrace};
 pub use slicing::{BlendOrder, ColorWeight, Correction, Proxy, SliceGeometry, SliceTarget, Slicing};
 
@@ -20,6 +22,8 @@ pub enum Technique {
     RayCast(RayCast),
     /// Slices through the volume, blended in their order (chapter 3). On graphics processors.
     Slicing(Slicing),
+    /// Slices halfway between light and eye, through which light travels (section 6.3). On the processor.
+    HalfAngle(HalfAngle),
     /// Random paths of light through the volume, with all their scatterings: what other techniques
     /// approximate. On the processor.
     PathTrace(PathTrace),
@@ -121,7 +125,7 @@ impl Technique {
         match self {
             Self::RayCast(RayCast { mode }) => mode,
             Self::Slicing(Slicing { mode, .. }) => mode,
-            Self::PathTrace(_) => &Mode::Composite,
+            Self::HalfAngle(_) | Self::PathTrace(_) => &Mode::Composite,
         }
     }
 
@@ -130,7 +134,7 @@ impl Technique {
         match self {
             Self::RayCast(RayCast { mode }) => Some(mode),
             Self::Slicing(Slicing { mode, .. }) => Some(mode),
-            Self::PathTrace(_) => None,
+            Self::HalfAngle(_) | Self::PathTrace(_) => None,
         }
     }
 
@@ -147,6 +151,14 @@ impl Technique {
         }
     }
 
+    /// Half-angle slicing, with its settings if it is that.
+    pub fn by_half_angles(&self) -> Self {
+        match self {
+            Self::HalfAngle(settings) => Self::HalfAngle(settings.clone()),
+            _ => Self::HalfAngle(HalfAngle::default()),
+        }
+    }
+
     /// The path tracer, with its settings if it is one.
     pub fn by_paths(&self) -> Self {
         match self {
@@ -160,6 +172,7 @@ impl Technique {
         match self {
             Self::RayCast(_) => "ray_cast",
             Self::Slicing(_) => "slicing",
+            Self::HalfAngle(_) => "half_angle",
             Self::PathTrace(_) => "path_trace",
         }
     }
@@ -169,6 +182,7 @@ impl Technique {
         match self {
             Self::RayCast(_) => {}
             Self::Slicing(slicing) => slicing.check(&path)?,
+            Self::HalfAngle(half_angle) => half_angle.check(&path)?,
             Self::PathTrace(path_trace) => path_trace.check(&path)?,
         }
         self.mode().check(&format!("{path}.mode"))

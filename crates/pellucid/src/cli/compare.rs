@@ -36,7 +36,8 @@ pub struct CompareArgs {
     /// A volume file, a scene (.toml, .json), or a built-in field as sample:NAME
     input: Input,
     /// Techniques to draw with, the reference first: ray-cast, view-aligned, object-aligned, multi-texture,
-    /// shells, path-trace; each may say where, as ray-cast@cpu or ray-cast@gpu [default: the scene's own]
+    /// shells, path-trace, half-angle, shadow-rays, shadow-volume (the last two cast rays); each may say
+    /// where, as ray-cast@cpu or ray-cast@gpu [default: the scene's own]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     techniques: Vec<Rendition>,
     /// One more picture, of the first technique with these settings (as --set takes them, separated by
@@ -88,22 +89,30 @@ struct Rendition {
     backend: Option<Backend>,
 }
 
+/// Ways to draw shadows along rays, by name, and what makes a scene one of them.
+const SHADOWS: [(&str, &str); 2] = [
+    ("shadow-rays", "lighting.model=scattering; lighting.shadows.rays.step=1"),
+    ("shadow-volume", "lighting.model=scattering; lighting.shadows.volume.resolution=0.5"),
+];
+
 impl FromStr for Rendition {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (name, place) = text.split_once('@').map_or((text, None), |(name, place)| (name, Some(place)));
-        let names = || TECHNIQUES.map(|(name, _)| name).join(", ");
-        let technique = TECHNIQUES.iter().find(|(known, _)| *known == name);
-        let (_, technique) = technique.ok_or_else(|| format!("'{name}' is none of {}", names()))?;
+        let shadows = SHADOWS.map(|(name, settings)| (name, Kind::Rays, settings));
+        let known = TECHNIQUES.map(|(name, kind)| (name, kind, "")).into_iter().chain(shadows);
+        let found = known.clone().find(|(known, ..)| *known == name);
+        let names = || known.map(|(name, ..)| name).collect::<Vec<_>>().join(", ");
+        let (_, technique, settings) = found.ok_or_else(|| format!("'{name}' is none of {}", names()))?;
         let backend = |place: &str| {
             let found = BACKENDS.iter().find(|(known, _)| *known == place);
             found.map(|(_, backend)| *backend).ok_or_else(|| format!("'{place}' is none of auto, cpu, gpu"))
         };
         Ok(Self {
             label: text.to_owned(),
-            technique: Some(*technique),
-            settings: Settings::default(),
+            technique: Some(technique),
+            settings: if settings.is_empty() { Settings::default() } else { settings.parse()? },
             backend: place.map(backend).transpose()?,
         })
     }

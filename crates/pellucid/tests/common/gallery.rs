@@ -43,7 +43,7 @@ pub fn gpu(ceiling: &Ceiling) -> GpuRenderer {
 
 /// What the processor draws or, by techniques that it has not, a GPU renderer.
 pub fn draw(stage: &Stage) -> Frame {
-    let mut renderer = if Backend::Cpu.draws(&stage.technique) {
+    let mut renderer = if Backend::Cpu.draws(stage) {
         Renderer::new(Backend::Cpu).unwrap()
     } else {
         gpu(&Ceiling::default()).with_interpolation(Interpolation::Exact).into()

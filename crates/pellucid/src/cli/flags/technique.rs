@@ -18,12 +18,13 @@ const MODES: [(&str, Mode); 6] = [
 ];
 
 /// What draws, by name.
-pub const TECHNIQUES: [(&str, Kind); 6] = [
+pub const TECHNIQUES: [(&str, Kind); 7] = [
     ("ray-cast", Kind::Rays),
     ("view-aligned", Kind::Slices(SliceGeometry::ViewAligned)),
     ("object-aligned", Kind::Slices(SliceGeometry::ObjectAligned)),
     ("multi-texture", Kind::Slices(SliceGeometry::MultiTexture)),
     ("shells", Kind::Slices(SliceGeometry::Shells)),
+    ("half-angle", Kind::HalfAngle),
     ("path-trace", Kind::Paths),
 ];
 
@@ -34,6 +35,8 @@ pub enum Kind {
     Rays,
     /// Slices.
     Slices(SliceGeometry),
+    /// Slices that light and view share.
+    HalfAngle,
     /// The path tracer.
     Paths,
 }
@@ -44,6 +47,7 @@ impl Kind {
         match self {
             Self::Rays => technique.along_rays(),
             Self::Slices(geometry) => technique.in_slices(geometry),
+            Self::HalfAngle => technique.by_half_angles(),
             Self::Paths => technique.by_paths(),
         }
     }
@@ -55,8 +59,8 @@ const COMBINES: [(&str, Combine); 3] =
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Technique")]
 pub struct TechniqueFlags {
-    /// What draws: rays, slices blended by a graphics adapter, or random paths of light on the processor
-    /// [default: ray-cast]
+    /// What draws: rays, slices blended by a graphics adapter, slices that light and view share, or random paths of
+    /// light, both on the processor [default: ray-cast]
     ///
     /// Slices lie across the view (view-aligned), on the volume's own planes (object-aligned), between those
     /// (multi-texture), or on spheres around the eye (shells). They keep no depth and no normals.

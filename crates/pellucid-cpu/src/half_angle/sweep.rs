@@ -1,0 +1,334 @@
+//! Light on its way through all slabs.
+
+use std::ops::Range;
+
+use glam::DVec3;
+use pellucid_optics::ResolvedLight;
+use pellucid_scene::{BlockContent, BlurScaling, HalfAngle, InScatter};
+use rayon::prelude::*;
+
+use super::advance::{Radius, Step};
+use super::buffer::{LightBuffer, Shape};
+use super::eye::Ways;
+use super::frame::LightFrame;
+use super::matter::{BAND, Band, Matter, TILE, run_length};
+use super::slabs::{Slabs, along_light, slice_axis};
+use super::taps;
+use crate::RenderError;
+use crate::lanes::*;
+use crate::prepare::Prepared;
+
+/// Where light and slabs are.
+pub struct Geometry {
+    /// The light's picture.
+    pub frame: LightFrame,
+    /// The slabs.
+    pub slabs: Slabs,
+    /// How far light travels in them.
+    pub ways: Ways,
+    /// The longest way, in world units.
+    longest: f64,
+}
+
+impl Geometry {
+    /// For a light; `None` if it stands in the volume, or beside it.
+    pub fn new(prepared: &Prepared, settings: &HalfAngle, light: &ResolvedLight) -> Option<Self> {
+        let (stage, grid) = (prepared.stage, prepared.grid());
+        let frame = LightFrame::new(light, grid, settings.resolution)?;
+        let view = &stage.viewpoint;
+        let toward = (grid.center() - view.eye).try_normalize().filter(|_| view.perspective).unwrap_or(view.forward);
+        let rays = frame.corner_rays();
+        let axis = along_light(slice_axis(toward, frame.forward), frame.forward, &rays);
+        // So that a ray of the eye in the middle has its samples a step apart.
+        let thickness = stage.step * axis.dot(toward).abs().max(0.1);
+        Some(Self::across(prepared, frame, axis, thickness))
+    }
+
+    /// For a light alone: slabs across its middle direction, a step apart; `None` as above.
+    pub fn of_light(prepared: &Prepared, light: &ResolvedLight, resolution: u32) -> Option<Self> {
+        let frame = LightFrame::new(light, prepared.grid(), resolution)?;
+        let axis = frame.forward;
+        Some(Self::across(prepared, frame, axis, prepared.stage.step))
+    }
+
+    fn across(prepared: &Prepared, frame: LightFrame, axis: DVec3, thickness: f64) -> Self {
+        let (stage, grid, rays) = (prepared.stage, prepared.grid(), frame.corner_rays());
+        let slabs = Slabs::new(axis, thickness, grid);
+        let ways = match frame.position() {
+            None => Ways::Same((thickness / axis.dot(frame.forward) / stage.step) as f32),
+            Some(position) => Ways::From { place: slabs.coordinate(position) as f32, step: stage.step as f32 },
+        };
+        let steepest = rays.iter().map(|ray| ray.dot(axis)).fold(1.0, f64::min);
+        let depth = thickness * slabs.count as f64;
+        Self { frame, slabs, ways, longest: thickness.min(depth) / steepest }
+    }
+}
+
+/// Light that passes slab after slab.
+pub struct Sweep<'a, S> {
+    settings: &'a HalfAngle,
+    matter: Matter<'a, S>,
+    bands: Vec<Band>,
+    /// In front of every slab of a run, and behind the last.
+    buffers: Vec<LightBuffer>,
+    /// Where something is, if light comes from there alone.
+    presence: Option<LightBuffer>,
+    /// Tiles that differ from light as it entered, band by band.
+    touched: Vec<bool>,
+    /// The slabs up to which the light of tiles matters to anything.
+    needed: Vec<usize>,
+    radius: Radius<'a>,
+    /// Tiles that a blur reaches over in a slab.
+    reach: usize,
+    phase: [f32; 3],
+}
+
+impl<'a, S: Lanes> Sweep<'a, S> {
+    /// Light in front of the first slab.
+    ///
+    /// # Errors
+    /// [`RenderError::Cancelled`], as `cancelled` says.
+    pub fn new(
+        prepared: &Prepared,
+        settings: &'a HalfAngle,
+        geometry: &'a Geometry,
+        matter: Matter<'a, S>,
+        cancelled: impl Fn() -> bool + Sync,
+    ) -> Result<Self, RenderError> {
+        let stop = || if cancelled() { Err(RenderError::Cancelled) } else { Ok(()) };
+        let Geometry { frame, slabs, ways, longest } = geometry;
+        let (step, voxel) = (prepared.stage.step, prepared.grid().smallest_spacing());
+        let indirect = (settings.indirect > 0.0).then_some(settings.initial_indirect);
+        let across = frame.finest(prepared.grid());
+        let farthest = if indirect.is_some() { taps::radius(settings, *longest, voxel) * across } else { 0.0 };
+        let pad = farthest.ceil() as usize + 2;
+        let shape = Shape::new(frame.size, pad);
+        let root = settings.blur_scaling == BlurScaling::PerDistance;
+        let scale = taps::radius(settings, 1.0, voxel) as f32;
+        let radius = match ways {
+            Ways::Same(steps) => {
+                let path = (f64::from(*steps) * step).min(*longest);
+                Radius::Texels(frame.across(taps::radius(settings, path, voxel)))
+            }
+            Ways::From { .. } => Radius::Path { frame, scale, root, step: step as f32 },
+        };
+        let tiles = shape.width.div_ceil(TILE);
+        let run = run_length([shape.width, shape.height]);
+        let chromatic = indirect.is_some() && matter.transport.is_some();
+        let rows = |top: usize| BAND.min(shape.height - top);
+        let bands: Vec<Band> = (0..shape.height.div_ceil(BAND))
+            .into_par_iter()
+            .map(|band| {
+                stop()?;
+                let place = [band * BAND, rows(band * BAND), shape.width];
+                Ok(Band::new(prepared, frame, slabs, place, [width::<S>(), run], chromatic))
+            })
+            .collect::<Result<_, RenderError>>()?;
+        let gated = matches!(settings.in_scatter, InScatter::DirectFromMatter | InScatter::BothFromMatter);
+        let reach = pad.div_ceil(BAND.min(TILE));
+        let needed = needed(prepared, geometry, [tiles, bands.len()], farthest);
+        let buffers = (0..=run).map(|_| stop().map(|()| LightBuffer::new(shape, indirect)));
+        Ok(Self {
+            settings,
+            buffers: buffers.collect::<Result<_, _>>()?,
+            matter,
+            presence: (gated && indirect.is_some()).then(|| LightBuffer::new(shape, None)),
+            touched: vec![false; tiles * bands.len()],
+            bands,
+            needed,
+            radius,
+            reach,
+            phase: into_cone(prepared, settings),
+        })
+    }
+
+    /// How many slabs it passes at once.
+    pub fn run_length(&self) -> usize {
+        self.buffers.len() - 1
+    }
+
+    /// Light in front of every slab of the run that was passed last, and behind it.
+    pub fn buffers(&self) -> &[LightBuffer] {
+        &self.buffers
+    }
+
+    /// Leaves of the light in front of the first slab a round beam in the middle of the picture, of a radius in
+    /// texels.
+    #[cfg(test)]
+    pub fn shine(&mut self, radius: f32) {
+        for buffer in &mut self.buffers {
+            let Shape { width, height, .. } = buffer.shape;
+            buffer.planes.iter_mut().for_each(|plane| plane.fill(0.0));
+            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                let [dx, dy] = [(x, width), (y, height)].map(|(at, n)| at as f32 + 0.5 - n as f32 / 2.0);
+                if dx.hypot(dy) <= radius {
+                    let at = buffer.shape.at(x, y);
+                    buffer.planes.iter_mut().for_each(|plane| plane[at] = 1.0);
+                }
+            }
+        }
+        self.touched.fill(true);
+    }
+
+    /// Passes a run of slabs, of at most [`run_length`](Self::run_length).
+    ///
+    /// # Errors
+    /// [`RenderError::Cancelled`], as `cancelled` says.
+    pub fn pass(&mut self, run: Range<usize>, cancelled: impl Fn() -> bool + Sync) -> Result<(), RenderError> {
+        let stop = || if cancelled() { Err(RenderError::Cancelled) } else { Ok(()) };
+        let last = self.run_length();
+        // What is behind the last run is in front of this one; the first run finds all buffers alike.
+        self.buffers.swap(0, last);
+        let Self { matter, bands, buffers, .. } = self;
+        let texels = buffers[0].shape.width;
+        bands.par_iter_mut().try_for_each(|band| {
+            stop()?;
+            matter.look_up(band, run.clone(), texels);
+            Ok::<_, RenderError>(())
+        })?;
+        for slab in run.clone() {
+            self.pass_slab(slab, slab - run.start, &cancelled);
+        }
+        stop()?;
+        // A short run is the last one: what is behind it is where the next would look for it.
+        self.buffers.swap(run.len(), last);
+        Ok(())
+    }
+
+    fn pass_slab(&mut self, slab: usize, number: usize, cancelled: &(impl Fn() -> bool + Sync)) {
+        let Self { settings, matter, bands, buffers, presence, touched, needed, reach, .. } = self;
+        let offsets = taps::offsets(settings, slab);
+        if let Some(presence) = presence {
+            mark(matter.s, bands, presence, number);
+        }
+        let step = Step {
+            s: matter.s,
+            slab,
+            number,
+            offsets: &offsets,
+            radius: self.radius,
+            in_scatter: settings.in_scatter,
+            phase: self.phase,
+            presence: presence.as_ref(),
+        };
+        let [light, next] = &mut buffers[number..number + 2] else { return };
+        let shape = light.shape;
+        let tiles = shape.width.div_ceil(TILE);
+        // Where all light comes from matter, what is empty is dark.
+        let everywhere = settings.in_scatter == InScatter::BothFromMatter;
+        let is_touched = |band: usize, tile: usize| {
+            let (rows, columns) = (
+                band.saturating_sub(*reach)..bands.len().min(band + *reach + 1),
+                tile.saturating_sub(*reach)..tiles.min(tile + *reach + 1),
+            );
+            rows.into_iter().any(|row| touched[row * tiles..][columns.clone()].iter().any(|touched| *touched))
+        };
+        let mut rows = bands_of(next);
+        let found: Vec<Vec<bool>> = rows
+            .par_iter_mut()
+            .enumerate()
+            .map(|(band, rows)| {
+                let pass = |tile: usize| {
+                    let before = touched[band * tiles + tile];
+                    let asked = !cancelled()
+                        && slab <= needed[band * tiles + tile]
+                        && (everywhere || bands[band].holds(number, tile) || is_touched(band, tile));
+                    (asked && step.pass(light, rows, &bands[band], [band * BAND, tile])) || before
+                };
+                (0..tiles).map(pass).collect()
+            })
+            .collect();
+        *touched = found.concat();
+    }
+}
+
+/// The rows of bands in all planes of a buffer.
+fn bands_of(buffer: &mut LightBuffer) -> Vec<Vec<&mut [f32]>> {
+    let Shape { height, pad, stride, .. } = buffer.shape;
+    let mut bands: Vec<Vec<&mut [f32]>> = (0..height.div_ceil(BAND)).map(|_| Vec::new()).collect();
+    for plane in &mut buffer.planes {
+        let rows = plane[pad * stride..(pad + height) * stride].chunks_mut(BAND * stride);
+        bands.iter_mut().zip(rows).for_each(|(band, rows)| band.push(rows));
+    }
+    bands
+}
+
+/// Marks where a slab holds something with 1, else 0; outside of the picture there is nothing.
+fn mark<S: Lanes>(s: S, bands: &[Band], presence: &mut LightBuffer, number: usize) {
+    let shape = presence.shape;
+    presence.planes[0].fill(0.0);
+    bands_of(presence).par_iter_mut().zip(bands).for_each(|(rows, band)| {
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let count = rows[0].len() / shape.stride;
+                for row in 0..count {
+                    for x in (0..shape.width).step_by(width::<S>()) {
+                        if !band.holds(number, x / TILE) {
+                            continue;
+                        }
+                        let held = band.opacity(s, number, 0, row * shape.width + x).simd_gt(splat(s, 0.0));
+                        let to = row * shape.stride + shape.pad + x;
+                        held.select(splat(s, 1.0), splat(s, 0.0)).store_slice(&mut rows[0][to..to + width::<S>()]);
+                    }
+                }
+            },
+        );
+    });
+}
+
+/// Weights of direct light that is scattered into the cone, over those of light that is thrown straight on
+/// (Eq. 6.8).
+fn into_cone(prepared: &Prepared, settings: &HalfAngle) -> [f32; 3] {
+    let scattering = &prepared.volume.scattering;
+    let (phase, g) = (&scattering.phase, scattering.phase.anisotropy().unwrap_or(0.0));
+    let cosine = (settings.blur_angle.to_radians() / 2.0).cos() as f32;
+    let [cone, forward] = [cosine, 1.0].map(|mu| phase.weight(scattering.phase_normalization, g, mu));
+    [0, 1, 2].map(|channel| if forward[channel] > 0.0 { cone[channel] / forward[channel] } else { 1.0 })
+}
+
+/// The last slab in front of which the light of tiles matters: one that holds something there, or so much
+/// later in a tile from which a blur reaches it. `reach` in texels a slab.
+fn needed(prepared: &Prepared, geometry: &Geometry, [tiles, bands]: [usize; 2], reach: f64) -> Vec<usize> {
+    let Geometry { frame, slabs, .. } = geometry;
+    let Some((blocks, distances)) = prepared.tables.blocks.as_ref().and_then(|blocks| match &blocks.content {
+        BlockContent::Distances(distances) => Some((blocks, distances)),
+        BlockContent::Extremes(_) => None,
+    }) else {
+        return vec![slabs.count; tiles * bands];
+    };
+    let (grid, [nx, ny, _]) = (prepared.grid(), blocks.dims);
+    // Where something is last, as one more than the slab's number; 0 if never.
+    let mut last = vec![0usize; tiles * bands];
+    for block in (0..distances.len()).filter(|&block| distances[block] == 0) {
+        let first = [block % nx, block / nx % ny, block / (nx * ny)].map(|b| (b * blocks.size) as f64);
+        let (mut low, mut high, mut end) = (glam::DVec2::INFINITY, glam::DVec2::NEG_INFINITY, 0.0f64);
+        for corner in 0..8 {
+            let index = DVec3::from_array(
+                [0, 1, 2].map(|axis| first[axis] + if corner >> axis & 1 == 1 { blocks.size as f64 } else { 0.0 }),
+            );
+            let world = grid.world_from_index().transform_point3(index);
+            let place = frame.project(world);
+            (low, high, end) = (low.min(place), high.max(place), end.max(slabs.coordinate(world)));
+        }
+        let span = |low: f64, high: f64, side: usize, count: usize| {
+            let [low, high] = [low - 2.0, high + 2.0].map(|texel| (texel / side as f64).clamp(0.0, count as f64 - 1.0));
+            low as usize..high as usize + 1
+        };
+        for band in span(low.y, high.y, BAND, bands) {
+            for tile in span(low.x, high.x, TILE, tiles) {
+                let last = &mut last[band * tiles + tile];
+                *last = (*last).max(end.ceil() as usize + 1);
+            }
+        }
+    }
+    if reach == 0.0 {
+        return last;
+    }
+    let later = |to: usize, from: usize| {
+        let gap = |a: usize, b: usize, side: usize| a.abs_diff(b).saturating_sub(1) * side;
+        let texels = gap(to / tiles, from / tiles, BAND).max(gap(to % tiles, from % tiles, TILE));
+        last[from].saturating_sub((texels as f64 / (reach + 1.0)) as usize)
+    };
+    (0..last.len()).map(|to| (0..last.len()).map(|from| later(to, from)).max().unwrap_or(0)).collect()
+}

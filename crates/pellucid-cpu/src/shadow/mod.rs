@@ -1,0 +1,83 @@
+//! What is left of lights on their way to samples (6.1).
+
+mod media;
+mod surfaces;
+mod volume;
+
+use glam::DVec3;
+use pellucid_optics::{LightShape, ResolvedLight};
+
+use crate::field::Bounds;
+use crate::lanes::*;
+use crate::packet::{Rays, inverse};
+use crate::prepare::Prepared;
+
+pub use media::Media;
+pub use surfaces::Surfaces;
+pub use volume::{LightVolume, LightVolumes};
+
+/// Something that holds light back.
+pub trait Shadow<S: Lanes>: Sync {
+    /// The share of a light, by its number, that reaches index positions, 0 to 1.
+    fn through(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S>;
+}
+
+/// The ways from samples to lights.
+pub struct ToLights {
+    lights: Vec<Aim>,
+    bounds: Bounds,
+    /// World length of an index vector, as columns of a matrix.
+    world_from_index: [[f32; 3]; 3],
+    /// In world units.
+    step: f32,
+}
+
+/// Where a light is, in index space.
+enum Aim {
+    /// A step towards it.
+    Everywhere([f32; 3]),
+    /// Its position.
+    Somewhere([f32; 3]),
+}
+
+impl ToLights {
+    /// For steps of so many world units.
+    pub fn new(prepared: &Prepared, step: f64) -> Self {
+        let grid = prepared.grid();
+        let index_from_world = grid.index_from_world();
+        let aim = |light: &ResolvedLight| match light.shape() {
+            LightShape::Directional { to_light } => {
+                let step = index_from_world.transform_vector3(to_light.as_dvec3() * step);
+                Aim::Everywhere(step.as_vec3().to_array())
+            }
+            LightShape::Local { position, .. } => {
+                let position: DVec3 = index_from_world.transform_point3(position.as_dvec3());
+                Aim::Somewhere(position.as_vec3().to_array())
+            }
+        };
+        Self {
+            lights: prepared.stage.lights.iter().map(aim).collect(),
+            bounds: Bounds::new(grid, &prepared.region),
+            world_from_index: grid.world_from_index().matrix3.as_mat3().to_cols_array_2d(),
+            step: step as f32,
+        }
+    }
+
+    /// Rays from index positions to a light, or to where the volume ends; `skip` steps of them are left out.
+    #[inline(always)]
+    pub fn rays<S: Lanes>(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>, skip: f32) -> Rays<S> {
+        let (direction, most) = match &self.lights[light] {
+            Aim::Everywhere(step) => (xyz!(I => splat(s, step[I])), splat(s, f32::INFINITY)),
+            Aim::Somewhere(position) => {
+                let way = xyz!(I => splat(s, position[I]) - index[I]);
+                let [x, y, z] = self.world_from_index;
+                let world = xyz!(I => way[0].mul_add(splat(s, x[I]), way[1].mul_add(splat(s, y[I]), way[2] * z[I])));
+                let steps = (dot::<S>(world, world).sqrt() * (1.0 / self.step)).max(splat(s, 1e-6));
+                (xyz!(I => way[I] / steps), steps)
+            }
+        };
+        let length = self.bounds.exit(s, index, &direction, &inverse(s, &direction)).min(most) - skip;
+        let origin = xyz!(I => direction[I].mul_add(splat(s, skip), index[I]));
+        Rays::from(s, origin, direction, lanes.select(length, splat(s, 0.0)))
+    }
+}

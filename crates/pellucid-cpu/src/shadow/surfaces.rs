@@ -1,0 +1,58 @@
+//! Shadows of isosurfaces: the first opaque one on the way to a light holds all of it back.
+
+use super::{Shadow, ToLights};
+use crate::field::Any;
+use crate::integrator::Counter;
+use crate::isosurface::{Level, between};
+use crate::lanes::*;
+use crate::segments::{Segment, Verdict, Visit, each_segment};
+use crate::skip::SkipGrid;
+
+/// Surfaces between samples, which lie on one of them, and lights.
+pub struct Surfaces<'a, S> {
+    /// The instruction set.
+    pub s: S,
+    /// The field.
+    pub field: Any<'a, S>,
+    /// The surfaces.
+    pub levels: Vec<Level>,
+    /// The ways.
+    pub ways: ToLights,
+    /// How many steps off the surface they begin: as far as the roughness of sampled data reaches.
+    pub away: f32,
+    /// Blocks that hold a surface, if the others are skipped.
+    pub skip: Option<&'a SkipGrid>,
+}
+
+impl<S: Lanes> Shadow<S> for Surfaces<'_, S> {
+    fn through(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
+        s.vectorize(
+            #[inline(always)]
+            || {
+                // Away from the surface that is lit: how it is turned is what `n . l` tells.
+                let rays = self.ways.rays(s, light, index, lanes, self.away);
+                let mut passing = Passing { surfaces: self, through: splat(s, 1.0) };
+                each_segment(s, &self.field, &rays, self.skip, &mut Counter::new(s), &mut passing);
+                passing.through
+            },
+        )
+    }
+}
+
+/// Light on its way through surfaces.
+struct Passing<'a, S: Lanes> {
+    surfaces: &'a Surfaces<'a, S>,
+    through: F32<S>,
+}
+
+impl<S: Lanes> Visit<S> for Passing<'_, S> {
+    #[inline(always)]
+    fn visit(&mut self, segment: &Segment<S>, _: &mut Counter<S>) -> Verdict<S> {
+        let s = self.surfaces.s;
+        for level in &self.surfaces.levels {
+            let met = segment.lanes & between::<S>(segment.value, splat(s, level.value));
+            self.through = met.select(self.through * (1.0 - level.opacity), self.through);
+        }
+        Verdict { done: self.through.simd_le(splat(s, 0.0)), wait: all(s, false) }
+    }
+}

@@ -1,0 +1,138 @@
+//! The light at the points of a grid, swept through the volume once (6.1-2, K-04).
+
+use glam::{DAffine3, DVec3};
+use pellucid_field::{ComponentView, Gradient, Grid, Linear, Volume, Voxels};
+use pellucid_optics::ResolvedLight;
+use pellucid_scene::{Control, HalfAngle, Region};
+use rayon::prelude::*;
+
+use super::Shadow;
+use crate::RenderError;
+use crate::classify::Lookup;
+use crate::field::{Bounds, Field, Probe, Trilinear};
+use crate::half_angle::{Geometry, Matter, Sweep};
+use crate::lanes::*;
+use crate::prepare::Prepared;
+
+/// What is left of a light in a volume's box.
+pub struct LightVolume {
+    volume: Volume,
+    /// All of it is there.
+    region: Region,
+    /// Index of the first point, and points per voxel.
+    low: [f32; 3],
+    density: [f32; 3],
+}
+
+impl LightVolume {
+    /// Sweeps a light through the volume of a stage, with `resolution` points for each voxel and axis.
+    ///
+    /// # Errors
+    /// [`RenderError::LightInside`] if it stands in the volume, [`RenderError::Cancelled`].
+    pub fn new(
+        prepared: &Prepared,
+        (number, light): (usize, &ResolvedLight),
+        resolution: f64,
+        set: InstructionSet,
+        control: &Control,
+    ) -> Result<Self, RenderError> {
+        let grid = prepared.grid();
+        let (low, high) = grid.index_bounds();
+        let dims = (high - low).to_array().map(|voxels| (voxels * resolution).ceil().max(1.0) as usize + 1);
+        let spacing = (high - low) / DVec3::from_array(dims.map(|n| (n - 1) as f64));
+        let index_from_point = DAffine3 { matrix3: glam::DMat3::from_diagonal(spacing), translation: low };
+        let points = Grid::with_affine(dims, grid.world_from_index() * index_from_point)?;
+        // Texels about as far apart as the points.
+        let [near, far] = [points.smallest_spacing(), grid.world_corners()[0].distance(grid.center()) * 2.0];
+        let texels = (far / near).ceil().clamp(16.0, 4096.0) as u32;
+        let geometry = Geometry::of_light(prepared, light, texels).ok_or(RenderError::LightInside { light: number })?;
+        let direct = HalfAngle { indirect: 0.0, ..HalfAngle::default() };
+        let values = dispatch!(set, s => sweep(s, prepared, &geometry, &direct, &points, control))?;
+        Ok(Self {
+            volume: Volume::new(points, Voxels::from(values))?,
+            region: Region::default(),
+            low: low.as_vec3().to_array(),
+            density: spacing.recip().as_vec3().to_array(),
+        })
+    }
+
+    fn field(&self) -> Option<Trilinear<'_, f32>> {
+        let Voxels::F32(data) = self.volume.voxels() else { return None };
+        let view = ComponentView::new(&self.volume, data, 0);
+        let probe = Probe::new(Linear(view), self.volume.grid(), &self.region, Gradient::Central);
+        Trilinear::new(view, Bounds::new(self.volume.grid(), &self.region), probe)
+    }
+}
+
+/// The light at points, x fastest.
+fn sweep<S: Lanes>(
+    s: S,
+    prepared: &Prepared,
+    geometry: &Geometry,
+    settings: &HalfAngle,
+    points: &Grid,
+    control: &Control,
+) -> Result<Vec<f32>, RenderError> {
+    let Geometry { frame, slabs, .. } = geometry;
+    let cancelled = || control.is_cancelled();
+    let matter = Matter {
+        s,
+        field: prepared.any(prepared.sampler()?),
+        table: Lookup::of_steps(&prepared.tables.step_table),
+        transport: None,
+        skip: prepared.grids.skip.as_ref(),
+    };
+    let mut light = Sweep::new(prepared, settings, geometry, matter, cancelled)?;
+    let [nx, ny, _] = points.dims();
+    let world = points.world_from_index();
+    let mut values = vec![1.0f32; points.len()];
+    // Coordinates of slabs change by as much from point to point along a row.
+    let along = slabs.axis.dot(world.matrix3.x_axis) / slabs.thickness;
+    for start in (0..slabs.count).step_by(light.run_length()) {
+        let run = start..slabs.count.min(start + light.run_length());
+        light.pass(run.clone(), cancelled)?;
+        let buffers = light.buffers();
+        values.par_chunks_mut(nx).enumerate().for_each(|(row, values)| {
+            let at = |x: usize| world.transform_point3(DVec3::new(x as f64, (row % ny) as f64, (row / ny) as f64));
+            let first = slabs.coordinate(at(0));
+            // The points of the row that may lie in the run, and a little more, as the last coordinate is the
+            // end of the last slab.
+            let [a, b] = [run.start as f64, run.end as f64].map(|end| (end - first) / along);
+            let (from, to) = if along.abs() > 1e-12 { (a.min(b) - 2.0, a.max(b) + 2.0) } else { (0.0, nx as f64) };
+            for x in from.clamp(0.0, nx as f64) as usize..to.clamp(0.0, nx as f64) as usize {
+                let place = (first + along * x as f64).clamp(0.0, slabs.count as f64 - 1e-6);
+                let slab = place as usize;
+                if run.contains(&slab) {
+                    let texel = frame.project(at(x));
+                    let [near, far] = [0, 1].map(|next| buffers[slab - start + next].read(0, texel));
+                    values[x] = near + (far - near) * (place - slab as f64) as f32;
+                }
+            }
+        });
+    }
+    Ok(values)
+}
+
+/// Light volumes of all lights.
+pub struct LightVolumes<'a> {
+    lights: Vec<(Trilinear<'a, f32>, &'a LightVolume)>,
+}
+
+impl<'a> LightVolumes<'a> {
+    /// In the order of the lights.
+    pub fn new(volumes: &'a [LightVolume]) -> Self {
+        Self { lights: volumes.iter().filter_map(|volume| Some((volume.field()?, volume))).collect() }
+    }
+}
+
+impl<S: Lanes> Shadow<S> for LightVolumes<'_> {
+    fn through(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let (field, LightVolume { low, density, .. }) = &self.lights[light];
+                field.values(s, xyz!(I => (index[I] - low[I]) * density[I]), lanes)
+            },
+        )
+    }
+}
