@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """pellucid's path tracer beside Mitsuba 3's `volpath` on one sparse cloud: paths per second, and noise at equal paths.
 
-    path_tracer.py [--pellucid PATH] [--size 256] [--samples 16] [--variant llvm_ad_rgb] [--threads 2] [--folder DIR]
+    path_tracer.py [--pellucid PATH] [--size 256] [--samples 16] [--density 40] [--variant llvm_ad_rgb] [--threads 2] [--folder DIR]
 
 The cloud is made here: 128^3 single precision, extinction linear in the value, so that both programs interpolate the same
 medium. One directional light of irradiance pi, a constant sky, Henyey-Greenstein, at most 64 scatterings. Seconds are those
@@ -16,13 +16,14 @@ import argparse, json, os, pathlib, resource, subprocess, tempfile, time
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-SIDE, DENSITY, G, ALBEDO, SKY, BOUNCES = 128, 40.0, 0.6, 0.95, 0.3, 64
+SIDE, G, ALBEDO, SKY, BOUNCES = 128, 0.6, 0.95, 0.3, 64
 EYE, TARGET, FOV, TO_SUN = (0.5, -2.2, 0.8), (0.5, 0.5, 0.5), 30.0, (0.6, 0.2, 0.8)
 
 parser = argparse.ArgumentParser()
 parser.add_argument('--pellucid', default=ROOT / 'target/release/pellucid')
 parser.add_argument('--size', type=int, default=256)
 parser.add_argument('--samples', type=int, default=16)
+parser.add_argument('--density', type=float, default=40.0, help='optical depth of the box, if it were full')
 parser.add_argument('--variant', default='llvm_ad_rgb')
 parser.add_argument('--threads', type=int, default=os.cpu_count())
 parser.add_argument('--folder', type=pathlib.Path, default=pathlib.Path(tempfile.gettempdir()) / 'pellucid-path-tracer')
@@ -49,7 +50,7 @@ def pellucid(samples, seed, majorants='local'):
     """The picture, and processor seconds of drawing."""
     scene = args.folder / 'scene.toml'
     values = np.linspace(0, 1, 257)
-    opacities = [[float(v), float(-np.expm1(-DENSITY * v / (SIDE - 1)))] for v in values]
+    opacities = [[float(v), float(-np.expm1(-args.density * v / (SIDE - 1)))] for v in values]
     spacing = 1 / (SIDE - 1)
     scene.write_text(f'''
 [[volumes]]
@@ -94,7 +95,7 @@ def mitsuba_scene(field):
     half = 0.5 / (SIDE - 1)
     # A grid's samples are at (i + 1/2) / n of its cube, which is half a voxel larger than that of the samples.
     place = T().translate([-half] * 3).scale([1 + 2 * half] * 3)
-    extinction = {'type': 'gridvolume', 'grid': mi.VolumeGrid(DENSITY * field[..., None]), 'to_world': place, 'raw': True}
+    extinction = {'type': 'gridvolume', 'grid': mi.VolumeGrid(args.density * field[..., None]), 'to_world': place, 'raw': True}
     medium = {'type': 'heterogeneous', 'sigma_t': extinction, 'albedo': ALBEDO, 'phase': {'type': 'hg', 'g': G}}
     box = T().translate([0.5] * 3).scale([0.5] * 3)
     return mi.load_dict({

@@ -90,30 +90,31 @@ impl Walk<'_> {
         (self.majorants.values[self.number()], exit)
     }
 
-    /// Goes on to the next block, or over all those that are known to be empty; false if the flight ends
-    /// before.
+    /// Goes on to the next block, or over all those that are known to be empty, and tells where the flight
+    /// enters; `None` if it ends before.
     #[inline(always)]
-    pub fn advance(&mut self) -> bool {
+    pub fn advance(&mut self) -> Option<f32> {
         let beyond = i32::from(self.majorants.distances[self.number()]) - 1;
         if beyond > 0 {
             return self.leap(beyond);
         }
         let axis = first(self.exits);
-        if self.exits[axis] >= self.length {
-            return false;
+        let exit = self.exits[axis];
+        if exit >= self.length {
+            return None;
         }
         self.block[axis] += self.step(axis);
         self.exits[axis] = self.exit(axis, 0);
-        true
+        Some(exit)
     }
 
     /// Leaves the cube of blocks up to so many beyond its own.
-    fn leap(&mut self, beyond: i32) -> bool {
+    fn leap(&mut self, beyond: i32) -> Option<f32> {
         let exits = [0, 1, 2].map(|axis| self.exit(axis, beyond));
         let axis = first(exits);
         let exit = exits[axis];
         if exit >= self.length {
-            return false;
+            return None;
         }
         let left = self.block[axis] + self.step(axis) * (beyond + 1);
         let at = (self.origin + self.direction * exit) / self.majorants.size;
@@ -124,7 +125,7 @@ impl Walk<'_> {
         });
         self.block[axis] = left;
         self.exits = [0, 1, 2].map(|axis| self.exit(axis, 0));
-        true
+        Some(exit)
     }
 
     #[inline(always)]

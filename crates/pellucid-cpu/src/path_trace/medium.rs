@@ -161,10 +161,7 @@ impl<F: Values> Medium<'_, F> {
                     depth = random.depth();
                 }
             }
-            distance = exit;
-            if !walk.advance() {
-                return None;
-            }
+            distance = walk.advance()?;
         }
     }
 
@@ -196,10 +193,8 @@ impl<F: Values> Medium<'_, F> {
                     depth = random.depth();
                 }
             }
-            distance = exit;
-            if !walk.advance() {
-                return through;
-            }
+            let Some(entry) = walk.advance() else { return through };
+            distance = entry;
         }
     }
 }
