@@ -40,7 +40,7 @@ pub fn boxes(brick: &Brick, blocks: Option<&BlockMap>, reach: usize, stage: &Sta
             for x in places(0) {
                 let place = [x, y, z];
                 let cube = Part { low: place.map(|v| v * side), high: place.map(|v| (v + 1) * side) };
-                let live = brick.core.common(&cube).and_then(|part| tightened(part, *size, &is_live));
+                let live = brick.core.common(&cube).and_then(|part| tightened(part, *size, is_live));
                 found.extend(live.map(|part| (part, place)));
             }
         }

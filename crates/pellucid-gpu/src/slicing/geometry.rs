@@ -94,7 +94,7 @@ impl Geometry {
             }
             _ => cast_slice(&instances).to_vec(),
         };
-        let most = device.capabilities.limits.max_storage_buffer_binding_size as u64;
+        let most = device.capabilities.limits.max_storage_buffer_binding_size;
         if bytes.len() as u64 > most {
             let (what, advice) = ("the slices".to_owned(), "take a longer step or let the vertex stage cut them");
             return Err(GpuError::Budget { what, needed: bytes.len() as u64, budget: most, advice });
