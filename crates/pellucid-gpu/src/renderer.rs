@@ -110,16 +110,12 @@ impl GpuRenderer {
     }
 
     /// What a stage asks for and this backend does not have, if anything.
-    fn lacks(stage: &Stage) -> Option<String> {
+    pub fn lacks(stage: &Stage) -> Option<String> {
         let lit = matches!(stage.mode(), Mode::Composite | Mode::Isosurface(_));
         match &stage.technique {
             Technique::PathTrace(_) | Technique::HalfAngle(_) => Some(stage.technique.name().to_owned()),
-            Technique::RayCast(_) if lit && stage.shadows != Shadows::None => {
-                Some(format!("lighting.shadows = {}", stage.shadows.name()))
-            }
-            Technique::RayCast(_) if lit && stage.light_model == LightModel::Scattering => {
-                Some("lighting.model = scattering".to_owned())
-            }
+            _ if lit && stage.shadows != Shadows::None => Some(format!("lighting.shadows = {}", stage.shadows.name())),
+            _ if lit && stage.light_model == LightModel::Scattering => Some("lighting.model = scattering".to_owned()),
             Technique::RayCast(_) | Technique::Slicing(_) => None,
         }
     }

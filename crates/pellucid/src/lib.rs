@@ -40,7 +40,7 @@ mod renderer;
 mod save;
 
 pub use load::{LoadError, load};
-pub use pellucid_cpu::InstructionSet;
+pub use pellucid_cpu::{CpuRenderer, InstructionSet};
 pub use progressive::{Picture, Progressive, Step};
 pub use renderer::{Backend, RenderError, Renderer};
 pub use save::{PngDepth, SaveError, save, save_exr, save_png};

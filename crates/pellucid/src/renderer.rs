@@ -5,6 +5,8 @@ use std::fmt;
 use pellucid_cpu::{CpuRenderer, InstructionSet};
 #[cfg(feature = "gpu")]
 use pellucid_gpu::{AdapterChoice, Ceiling, GpuRenderer};
+#[cfg(feature = "gpu")]
+use pellucid_scene::RenderWarning;
 use pellucid_scene::{Choice, Control, Frame, Stage};
 
 /// What draws a stage. Every backend draws the same picture.
@@ -86,6 +88,9 @@ pub struct Renderer {
     /// Why graphics hardware is not used, if it was looked for.
     #[cfg(feature = "gpu")]
     without_gpu: Option<pellucid_gpu::GpuError>,
+    /// What draws stages that the graphics adapter lacks something for.
+    #[cfg(feature = "gpu")]
+    stand_in: Option<Box<CpuRenderer>>,
 }
 
 enum Engine {
@@ -100,6 +105,8 @@ impl From<Engine> for Renderer {
             engine,
             #[cfg(feature = "gpu")]
             without_gpu: None,
+            #[cfg(feature = "gpu")]
+            stand_in: None,
         }
     }
 }
@@ -134,7 +141,10 @@ impl Renderer {
             #[cfg(not(feature = "gpu"))]
             Backend::Auto => Ok(Self::default()),
             #[cfg(feature = "gpu")]
-            Backend::Auto => Ok(hardware().map_or_else(|error| Self::default().without_gpu(error), Self::from)),
+            Backend::Auto => Ok(hardware().map_or_else(
+                |error| Self::default().without_gpu(error),
+                |gpu| Self::from(gpu).with_stand_in(CpuRenderer::new()),
+            )),
             #[cfg(feature = "gpu")]
             Backend::Gpu => Ok(hardware()?.into()),
         }
@@ -173,6 +183,12 @@ impl Renderer {
     #[cfg(feature = "gpu")]
     pub fn without_gpu(self, why: pellucid_gpu::GpuError) -> Self {
         Self { without_gpu: Some(why), ..self }
+    }
+
+    /// The same renderer, in which the processor draws what the graphics adapter does not; frames say so.
+    #[cfg(feature = "gpu")]
+    pub fn with_stand_in(self, cpu: CpuRenderer) -> Self {
+        Self { stand_in: Some(Box::new(cpu)), ..self }
     }
 
     /// The processor instructions that are used, never [`InstructionSet::Auto`]; `None` if another
@@ -220,11 +236,20 @@ impl Renderer {
     pub fn choices(&mut self, stage: &Stage) -> Result<Vec<Choice>, RenderError> {
         match &mut self.engine {
             #[cfg(not(feature = "gpu"))]
-            Engine::Cpu(_) => Ok(Vec::new()),
+            Engine::Cpu(_) => {
+                // Nothing is chosen where there is one backend.
+                let _ = stage;
+                Ok(Vec::new())
+            }
             #[cfg(feature = "gpu")]
             Engine::Cpu(_) => {
                 let choice = |why| Choice { setting: "backend", chosen: format!("cpu, as there is {why}") };
                 Ok(self.without_gpu.iter().map(choice).collect())
+            }
+            #[cfg(feature = "gpu")]
+            Engine::Gpu(_) if self.stand_in.is_some() && GpuRenderer::lacks(stage).is_some() => {
+                let what = GpuRenderer::lacks(stage).unwrap_or_default();
+                Ok(vec![Choice { setting: "backend", chosen: format!("cpu, as the GPU backend has no {what}") }])
             }
             #[cfg(feature = "gpu")]
             Engine::Gpu(gpu) => {
@@ -256,7 +281,15 @@ impl Renderer {
         match &mut self.engine {
             Engine::Cpu(cpu) => Ok(cpu.render_into(stage, control, frame)?),
             #[cfg(feature = "gpu")]
-            Engine::Gpu(gpu) => Ok(gpu.render_into(stage, control, frame)?),
+            Engine::Gpu(gpu) => match (&mut self.stand_in, GpuRenderer::lacks(stage)) {
+                (Some(cpu), Some(what)) => {
+                    cpu.render_into(stage, control, frame)?;
+                    let reason = format!("the GPU backend has no {what}: the processor drew this picture");
+                    frame.warnings.push(RenderWarning::Fallback { reason });
+                    Ok(())
+                }
+                _ => Ok(gpu.render_into(stage, control, frame)?),
+            },
         }
     }
 }

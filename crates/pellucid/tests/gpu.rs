@@ -4,11 +4,11 @@
 #[path = "common/gallery.rs"]
 mod common;
 
-use pellucid::Backend;
 use pellucid::gpu::{Ceiling, GpuRenderer, Interpolation, Passes};
-use pellucid::scene::Control;
+use pellucid::scene::{Control, RenderWarning};
+use pellucid::{Backend, CpuRenderer, Renderer};
 
-use common::{difference, draw, gpu, scenes, stage};
+use common::{difference, draw, folder, gpu, scenes, stage};
 
 /// Draws every scene on both backends; returns what exceeds the bounds.
 fn compare(mut gpu: GpuRenderer, least_psnr: f64, most: u8) -> Vec<String> {
@@ -58,4 +58,24 @@ fn rays_that_are_followed_in_turns_draw_the_same_bits() {
         assert_eq!((one.depth, one.normal), (other.depth, other.normal), "{}", path.display());
         assert_eq!((one.samples, one.statistics.samples_visible), (other.samples, other.statistics.samples_visible));
     }
+}
+
+#[test]
+fn the_processor_stands_in_for_what_the_adapter_lacks() {
+    let mut renderer = Renderer::from(gpu(&Ceiling::default())).with_stand_in(CpuRenderer::new());
+    for (name, what) in [("half-angle-opal", "half_angle"), ("shadow-volume-cloud", "lighting.shadows")] {
+        let (_, stage) = stage(&folder().join(format!("{name}.toml")));
+        let choices = renderer.choices(&stage).unwrap();
+        assert!(choices.iter().any(|choice| choice.chosen.contains(what)), "{choices:?}");
+        let frame = renderer.render(&stage, &Control::default()).unwrap();
+        let said =
+            |warning: &RenderWarning| matches!(warning, RenderWarning::Fallback { reason } if reason.contains(what));
+        assert!(frame.warnings.iter().any(said), "{:?}", frame.warnings);
+        assert_eq!(frame.color, draw(&stage).color, "{name}");
+        // Who asks for the adapter is told instead.
+        let told = Renderer::from(gpu(&Ceiling::default())).render(&stage, &Control::default()).unwrap_err();
+        assert!(told.to_string().contains("use --backend cpu"), "{told}");
+    }
+    let (_, plain) = stage(&folder().join("composite-tubes.toml"));
+    assert!(renderer.render(&plain, &Control::default()).unwrap().warnings.is_empty());
 }

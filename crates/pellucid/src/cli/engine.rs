@@ -3,7 +3,7 @@
 use std::num::NonZero;
 
 use pellucid::gpu::{AdapterChoice, Ceiling, GpuError, GpuRenderer, Interpolation, Passes};
-use pellucid::{Backend, InstructionSet, RenderError, Renderer};
+use pellucid::{Backend, CpuRenderer, InstructionSet, RenderError, Renderer};
 
 use super::values;
 
@@ -57,18 +57,13 @@ impl Engine {
         if self.backend == Backend::Gpu || self.adapter.is_some() {
             return Ok(self.gpu()?.into());
         }
+        let cpu = self.threads.map_or_else(|| Ok(CpuRenderer::new()), |n| CpuRenderer::with_threads(n.into()))?;
+        let cpu = cpu.with_instructions(self.simd)?;
         let gpu = (self.backend == Backend::Auto).then(|| self.gpu()).transpose();
-        if let Ok(Some(gpu)) = gpu {
-            return Ok(gpu.into());
-        }
-        let renderer = match self.threads {
-            Some(threads) => Renderer::with_threads(Backend::Cpu, threads.into()),
-            None => Renderer::new(Backend::Cpu),
-        };
-        let renderer = renderer?.with_instructions(self.simd)?;
         Ok(match gpu {
-            Err(why) => renderer.without_gpu(why),
-            Ok(_) => renderer,
+            Ok(Some(gpu)) => Renderer::from(gpu).with_stand_in(cpu),
+            Err(why) => Renderer::from(cpu).without_gpu(why),
+            Ok(None) => cpu.into(),
         })
     }
 
