@@ -174,7 +174,7 @@ fn techniques_are_compared_side_by_side() {
     assert_eq!((sheet.width, sheet.height), (3 * 40, 2 * 30));
     // What the processor does not draw it says.
     let said =
-        fail_in(folder.path(), &["render", input, "--technique", "shells", "--backend", "cpu", "-o", "a.png"], 2);
+        fail_in(folder.path(), &["render", input, "--technique", "shells", "--backend", "cpu", "-o", "a.png", "-q"], 2);
     assert!(said.contains("slicing") && said.contains("--backend gpu"), "{said}");
     let said = fail_in(folder.path(), &["compare", input, "--techniques", "rays"], 2);
     assert!(said.contains("ray-cast, view-aligned"), "{said}");
