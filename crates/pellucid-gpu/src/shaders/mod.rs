@@ -24,7 +24,7 @@ macro_rules! source {
 }
 
 /// What passes import; each only from those above it.
-const SHARED: [Source; 13] = [
+const SHARED: [Source; 14] = [
     source!("frame"),
     source!("ray"),
     source!("kernel"),
@@ -38,6 +38,7 @@ const SHARED: [Source; 13] = [
     source!("preclassify"),
     source!("slices"),
     source!("polygon"),
+    source!("pixel"),
 ];
 
 /// What a pass makes of the volume.

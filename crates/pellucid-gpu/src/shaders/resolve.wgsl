@@ -2,19 +2,8 @@
 // if it is the nearest of the pixel.
 #import pellucid::frame::{frame, bounds}
 #import pellucid::march::{HIT, NOWHERE, TERMINATED, states}
+#import pellucid::pixel::{Pixel, pixels}
 #import pellucid::ray::ray_of
-
-struct Pixel {
-    // Associated linear RGBA.
-    color: vec4<f32>,
-    // Unit world normal and distance from the eye, FAR if nothing was met.
-    surface: vec4<f32>,
-    // Samples taken, seen, leapt over; rays that met the volume in the lower half, rays that stopped
-    // early in the upper.
-    counts: vec4<u32>,
-}
-
-@group(0) @binding(7) var<storage, read_write> pixels: array<Pixel>;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {

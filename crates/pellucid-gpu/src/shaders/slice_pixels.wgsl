@@ -2,18 +2,12 @@
 #import pellucid::frame::{frame, bounds}
 #import pellucid::ray::ray_of
 #import pellucid::march::NOWHERE
+#import pellucid::pixel::{Pixel, pixels}
 #import pellucid::slices::{lattice_of, samples_of, slices}
 #ifdef CLASSIFIED_LAST
 #import pellucid::table::classify
 #endif
 
-struct Pixel {
-    color: vec4<f32>,
-    surface: vec4<f32>,
-    counts: vec4<u32>,
-}
-
-@group(0) @binding(7) var<storage, read_write> pixels: array<Pixel>;
 @group(0) @binding(13) var colors: texture_2d<f32>;
 @group(0) @binding(14) var taken: texture_2d<f32>;
 

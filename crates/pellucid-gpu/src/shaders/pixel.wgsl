@@ -1,0 +1,14 @@
+// Pixels as they come back: the structure of `uniforms.rs`.
+#define_import_path pellucid::pixel
+
+struct Pixel {
+    // Associated linear RGBA.
+    color: vec4<f32>,
+    // Unit world normal and distance from the eye, FAR if nothing was met.
+    surface: vec4<f32>,
+    // Samples taken, seen, leapt over; rays that met the volume in the lower half, rays that stopped
+    // early in the upper.
+    counts: vec4<u32>,
+}
+
+@group(0) @binding(7) var<storage, read_write> pixels: array<Pixel>;
