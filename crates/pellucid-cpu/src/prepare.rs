@@ -4,14 +4,13 @@
 use std::sync::Arc;
 
 use pellucid_field::Grid;
-use pellucid_optics::{Albedo, DataRange, LightModel, ResolvedLight, ShadowRays, ShadowVolume, Shadows, StepTable};
+use pellucid_optics::{ResolvedLight, ShadowRays, ShadowVolume, Shadows, StepTable};
 use pellucid_scene::{
-    BlockContent, BlockMap, Control, Mode, Region, Stage, StageVolume, TableCache, Tables, Technique,
+    BlockContent, BlockMap, Control, LightTables, Mode, Region, Stage, StageVolume, TableCache, Tables, Technique,
 };
 
 use crate::RenderError;
 use crate::lanes::InstructionSet;
-use crate::scatter::ScatterTable;
 use crate::shadow::LightVolume;
 use crate::skip::{ExtremeGrid, Levels, SkipGrid};
 
@@ -129,10 +128,8 @@ pub struct Prepared<'s> {
     pub tables: Arc<Tables>,
     /// What is leapt over.
     pub grids: Arc<Grids>,
-    /// What of scattering depends on the data, if samples scatter.
-    pub scattering: Option<ScatterTable>,
-    /// Associated colours of one step, if what samples scatter is not the transfer function's colour.
-    albedo: Option<StepTable>,
+    /// What samples that scatter look up.
+    pub light: LightTables,
     /// What the ways to lights need, if shadow rays are cast.
     pub shadows: Option<ShadowSteps>,
 }
@@ -159,37 +156,25 @@ impl<'s> Prepared<'s> {
         }
         let tables = cache.tables.tables(stage, volume)?;
         let grids = cache.grids(&tables);
-        let scatters = match stage.technique {
-            Technique::RayCast(_) => stage.light_model == LightModel::Scattering && *stage.mode() == Mode::Composite,
-            Technique::HalfAngle(_) => true,
-            _ => false,
-        };
-        let data = DataRange::of(&volume.volume);
-        let scattering = scatters.then(|| ScatterTable::new(&volume.scattering, &tables.table, &data)).transpose()?;
-        let albedo = (scatters && volume.scattering.albedo != Albedo::Color)
-            .then(|| {
-                let albedo = |value, entry| volume.scattering.at(value, entry).albedo;
-                StepTable::new(&tables.table.recolored(albedo), (stage.step / volume.unit_distance()) as f32)
-            })
-            .transpose()?;
-        let lit = scatters || volume.material.is_some();
+        let light = LightTables::new(stage, volume, &tables.table)?;
+        let lit = light.scatter.is_some() || volume.material.is_some();
         let length = shadow_step(stage, volume).filter(|_| lit);
         let steps = |length| {
             let table = StepTable::new(&tables.table, (length / volume.unit_distance()) as f32)?;
             Ok::<_, RenderError>(ShadowSteps { length, table })
         };
         let shadows = length.map(steps).transpose()?;
-        Ok(Self { stage, volume, region: stage.region(volume), tables, grids, scattering, albedo, shadows })
+        Ok(Self { stage, volume, region: stage.region(volume), tables, grids, light, shadows })
     }
 
     /// Associated colours of one step.
     pub fn step_table(&self) -> &StepTable {
-        self.albedo.as_ref().unwrap_or(&self.tables.step_table)
+        self.light.albedo.as_ref().unwrap_or(&self.tables.step_table)
     }
 
     /// Whether anything of the volume answers light.
     pub fn is_lit(&self) -> bool {
-        self.scattering.is_some() || self.volume.material.is_some()
+        self.light.scatter.is_some() || self.volume.material.is_some()
     }
 
     /// The grid all positions refer to.

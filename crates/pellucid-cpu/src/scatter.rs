@@ -1,37 +1,9 @@
 //! How samples scatter the light of sources once (6.2, K-07).
 
-use pellucid_optics::{
-    Anisotropy, DataRange, GradientWeight, Nodes, OpticsError, Phase, PhaseNormalization, Scattering, SurfaceShare,
-    Table,
-};
+use pellucid_optics::{Anisotropy, GradientWeight, Phase, PhaseNormalization, ScatterTable, Scattering, SurfaceShare};
 
 use crate::classify::Lookup;
 use crate::lanes::*;
-
-/// What of a volume's scattering depends on the data, at evenly spaced values.
-pub struct ScatterTable {
-    nodes: Nodes,
-    /// Anisotropy and the part that is a surface.
-    entries: Vec<[f32; 4]>,
-}
-
-impl ScatterTable {
-    /// Anisotropy and surfaces over the data.
-    ///
-    /// # Errors
-    /// As [`Nodes::new`].
-    pub fn new(scattering: &Scattering, table: &Table, data: &DataRange) -> Result<Self, OpticsError> {
-        const ENTRIES: usize = 4096;
-        let nodes = Nodes::new([data.low, data.high], ENTRIES)?;
-        let entry = |node| {
-            let value = nodes.value(node);
-            let found = scattering.at(value, table.lookup(value as f32));
-            [found.g, scattering.surface_at(value, 0.0), 0.0, 0.0]
-        };
-        let entries = (0..ENTRIES).map(entry).collect();
-        Ok(Self { nodes, entries })
-    }
-}
 
 /// How the samples of a volume scatter.
 pub struct Scatter<'a> {
@@ -54,7 +26,7 @@ impl<'a> Scatter<'a> {
     pub fn new(scattering: &'a Scattering, table: &'a ScatterTable) -> Self {
         let uniform =
             (scattering.anisotropy == Anisotropy::Uniform).then(|| scattering.phase.anisotropy().unwrap_or(0.0));
-        Self { scattering, table: Lookup::of_rows(&table.entries, &table.nodes), uniform }
+        Self { scattering, table: Lookup::of_rows(table.entries(), table.nodes()), uniform }
     }
 
     /// This, with the anisotropy, if that is the same everywhere.

@@ -2,9 +2,10 @@
 //! (Eq. 6.6, 6.7, K-06, K-09).
 
 use pellucid_scene::InScatter;
+use pellucid_scene::half_angle::LightFrame;
 
 use super::buffer::{LightBuffer, Shape};
-use super::frame::LightFrame;
+use super::frame::Project;
 use super::matter::{Band, TILE};
 use crate::lanes::*;
 

@@ -6,9 +6,9 @@
 
 use glam::DVec3;
 use pellucid_field::Grid;
+use pellucid_scene::half_angle::Slabs;
 use pellucid_scene::{Ray, Region};
 
-use super::slabs::Slabs;
 use crate::lanes::*;
 use crate::packet::{PerLane, inverse};
 

@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use glam::DVec3;
+use pellucid_scene::half_angle::{LightFrame, Slabs, Ways};
 use pellucid_scene::{Jitter, LightCorrection, Stage, blue_noise};
 
 use super::buffer::LightBuffer;
 use super::crossing::{Crossing, Crossings, Passage, chord};
-use super::frame::LightFrame;
-use super::slabs::Slabs;
+use super::frame::Project;
 use super::transport;
 use crate::classify::{Lookup, over_length};
 use crate::field::{Any, Field};
@@ -114,20 +114,6 @@ pub struct Eye<'a, S: Lanes> {
     pub skip: Option<&'a SkipGrid>,
     /// Opacity at which a ray ends.
     pub early_termination: f32,
-}
-
-/// How far light travels in a slab.
-#[derive(Clone, Copy)]
-pub enum Ways {
-    /// So many steps.
-    Same(f32),
-    /// From a light at this coordinate of the slabs; a step in world units.
-    From {
-        /// Coordinate of the light.
-        place: f32,
-        /// World length of a step.
-        step: f32,
-    },
 }
 
 /// Light as it reaches samples, as shares of the source.

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use pellucid_scene::half_angle::{LightFrame, Slabs};
+
 use super::crossing::{Crossing, Crossings, Passage};
-use super::frame::LightFrame;
-use super::slabs::Slabs;
 use super::transport;
 use crate::classify::Lookup;
 use crate::field::{Any, Field};

@@ -1,9 +1,9 @@
 //! Half-angle slicing: light that travels through the volume while it is drawn (Kniss et al. 2003, section
 //! 6.3).
 //!
-//! Slabs lie halfway between the light and the eye (`slabs`), and rays of both cross them in the same order
+//! Slabs lie halfway between the light and the eye (`pellucid_scene::half_angle`), and rays of both cross them in the same order
 //! (`crossing`). Light is a picture of the volume as the light sees it (`frame`, `buffer`): slab after slab it
-//! loses what the slab holds (`matter`) and spreads (`advance`, `taps`), and the eye looks at each slab in the
+//! loses what the slab holds (`matter`) and spreads (`advance`), and the eye looks at each slab in the
 //! light that has come to it (`eye`). Several lights are several sweeps, each with slabs of its own.
 //!
 //! A few slabs are a *run*. Their matter is looked up along rays of light, then light passes them one by one,
@@ -16,16 +16,15 @@ mod crossing;
 mod eye;
 mod frame;
 mod matter;
-mod slabs;
 mod sweep;
-mod taps;
 mod transport;
 
 #[cfg(test)]
 mod tests;
 
 use glam::DAffine3;
-use pellucid_optics::{DataRange, Light, LightKind, Material, ResolvedLight};
+use pellucid_optics::{Light, LightKind, Material, ResolvedLight};
+use pellucid_scene::half_angle::Geometry;
 use pellucid_scene::{Control, HalfAngle};
 use rayon::prelude::*;
 
@@ -39,8 +38,7 @@ use crate::tiles::{Tile, Tiles};
 
 use eye::{Eye, EyePacket};
 pub use matter::Matter;
-pub use sweep::{Geometry, Sweep};
-use transport::Transport;
+pub use sweep::Sweep;
 
 /// Draws a stage into tiles.
 ///
@@ -64,24 +62,15 @@ pub fn draw(
             vec![(light, *found)]
         }
     };
-    let data = DataRange::of(&prepared.volume.volume);
-    let ratio = stage.step / prepared.volume.unit_distance();
-    let transport = Transport::new(&prepared.volume.scattering, &data, ratio)?;
     let subs = stage.quality.supersampling.pow(2) as usize;
     let sweeps = lights.len() * subs;
     tiles.clear();
     for (place, (number, light)) in lights.iter().enumerate() {
-        let geometry = Geometry::new(prepared, settings, light).ok_or(RenderError::LightInside { light: *number })?;
+        let geometry = Geometry::new(stage, prepared.grid(), settings, light)
+            .ok_or(RenderError::LightInside { light: *number })?;
         let done = place * subs;
-        let drawing = Drawing {
-            prepared,
-            settings,
-            geometry: &geometry,
-            light,
-            lights: lights.len(),
-            is_first: done == 0,
-            transport: transport.as_ref(),
-        };
+        let drawing =
+            Drawing { prepared, settings, geometry: &geometry, light, lights: lights.len(), is_first: done == 0 };
         for sub in 0..subs {
             let report = |share: f64| control.report(((done + sub) as f64 + share) / sweeps as f64);
             dispatch!(set, s => drawing.sweep(s, sub, control, &report, tiles))?;
@@ -106,7 +95,6 @@ struct Drawing<'a> {
     /// How many lights there are: each sweep brings its share of what does not depend on them.
     lights: usize,
     is_first: bool,
-    transport: Option<&'a Transport>,
 }
 
 impl Drawing<'_> {
@@ -185,7 +173,7 @@ impl Drawing<'_> {
             s,
             field: prepared.any(prepared.sampler()?),
             table: Lookup::of_steps(prepared.step_table()),
-            transport: self.transport.map(Transport::lookup),
+            transport: self.transport(),
             surface,
             frame: &self.geometry.frame,
             ways: self.geometry.ways,
@@ -196,13 +184,17 @@ impl Drawing<'_> {
         })
     }
 
+    fn transport(&self) -> Option<Lookup<'_>> {
+        self.prepared.light.transport.as_ref().map(|table| Lookup::of_rows(table.entries(), table.nodes()))
+    }
+
     fn matter<S: Lanes>(&self, s: S) -> Result<Matter<'_, S>, RenderError> {
         let prepared = self.prepared;
         Ok(Matter {
             s,
             field: prepared.any(prepared.sampler()?),
             table: Lookup::of_steps(&prepared.tables.step_table),
-            transport: self.transport.filter(|_| self.settings.indirect > 0.0).map(Transport::lookup),
+            transport: self.transport().filter(|_| self.settings.indirect > 0.0),
             skip: prepared.grids.skip.as_ref(),
         })
     }

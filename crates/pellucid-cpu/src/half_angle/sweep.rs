@@ -3,66 +3,16 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use pellucid_optics::ResolvedLight;
+use pellucid_scene::half_angle::{Geometry, Ways, into_cone, taps};
 use pellucid_scene::{BlockContent, BlurScaling, HalfAngle, InScatter};
 use rayon::prelude::*;
 
 use super::advance::{Radius, Step};
 use super::buffer::{LightBuffer, Shape};
-use super::eye::Ways;
-use super::frame::LightFrame;
 use super::matter::{BAND, Band, Matter, TILE, run_length};
-use super::slabs::{Slabs, along_light, slice_axis};
-use super::taps;
 use crate::RenderError;
 use crate::lanes::*;
 use crate::prepare::Prepared;
-
-/// Where light and slabs are.
-pub struct Geometry {
-    /// The light's picture.
-    pub frame: LightFrame,
-    /// The slabs.
-    pub slabs: Slabs,
-    /// How far light travels in them.
-    pub ways: Ways,
-    /// The longest way, in world units.
-    longest: f64,
-}
-
-impl Geometry {
-    /// For a light; `None` if it stands in the volume, or beside it.
-    pub fn new(prepared: &Prepared, settings: &HalfAngle, light: &ResolvedLight) -> Option<Self> {
-        let (stage, grid) = (prepared.stage, prepared.grid());
-        let frame = LightFrame::new(light, grid, settings.resolution)?;
-        let view = &stage.viewpoint;
-        let toward = (grid.center() - view.eye).try_normalize().filter(|_| view.perspective).unwrap_or(view.forward);
-        let rays = frame.corner_rays();
-        let axis = along_light(slice_axis(toward, frame.forward), frame.forward, &rays);
-        // So that a ray of the eye in the middle has its samples a step apart.
-        let thickness = stage.step * axis.dot(toward).abs().max(0.1);
-        Some(Self::across(prepared, frame, axis, thickness))
-    }
-
-    /// For a light alone: slabs across its middle direction, a step apart; `None` as above.
-    pub fn of_light(prepared: &Prepared, light: &ResolvedLight, resolution: u32) -> Option<Self> {
-        let frame = LightFrame::new(light, prepared.grid(), resolution)?;
-        let axis = frame.forward;
-        Some(Self::across(prepared, frame, axis, prepared.stage.step))
-    }
-
-    fn across(prepared: &Prepared, frame: LightFrame, axis: DVec3, thickness: f64) -> Self {
-        let (stage, grid, rays) = (prepared.stage, prepared.grid(), frame.corner_rays());
-        let slabs = Slabs::new(axis, thickness, grid);
-        let ways = match frame.position() {
-            None => Ways::Same((thickness / axis.dot(frame.forward) / stage.step) as f32),
-            Some(position) => Ways::From { place: slabs.coordinate(position) as f32, step: stage.step as f32 },
-        };
-        let steepest = rays.iter().map(|ray| ray.dot(axis)).fold(1.0, f64::min);
-        let depth = thickness * slabs.count as f64;
-        Self { frame, slabs, ways, longest: thickness.min(depth) / steepest }
-    }
-}
 
 /// Light that passes slab after slab.
 pub struct Sweep<'a, S> {
@@ -138,7 +88,7 @@ impl<'a, S: Lanes> Sweep<'a, S> {
             needed,
             radius,
             reach,
-            phase: into_cone(prepared, settings),
+            phase: into_cone(&prepared.volume.scattering, settings),
         })
     }
 
@@ -275,16 +225,6 @@ fn mark<S: Lanes>(s: S, bands: &[Band], presence: &mut LightBuffer, number: usiz
             },
         );
     });
-}
-
-/// Weights of direct light that is scattered into the cone, over those of light that is thrown straight on
-/// (Eq. 6.8).
-fn into_cone(prepared: &Prepared, settings: &HalfAngle) -> [f32; 3] {
-    let scattering = &prepared.volume.scattering;
-    let (phase, g) = (&scattering.phase, scattering.phase.anisotropy().unwrap_or(0.0));
-    let cosine = (settings.blur_angle.to_radians() / 2.0).cos() as f32;
-    let [cone, forward] = [cosine, 1.0].map(|mu| phase.weight(scattering.phase_normalization, g, mu));
-    [0, 1, 2].map(|channel| if forward[channel] > 0.0 { cone[channel] / forward[channel] } else { 1.0 })
 }
 
 /// The last slab in front of which the light of tiles matters: one that holds something there, or so much

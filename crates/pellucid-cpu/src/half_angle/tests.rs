@@ -6,13 +6,12 @@ use pellucid_optics::{
     Color, ColorPoint, Interpolation, Light, LightKind, OpacityPoint, Phase, PhaseNormalization, Scattering,
     TransferFunction, srgb_encode,
 };
-use pellucid_scene::{BlurJitter, BlurScaling, HalfAngle, InScatter, Scene, Source, Stage};
+use pellucid_scene::half_angle::{Geometry, along_light, slice_axis, taps};
+use pellucid_scene::{BlurJitter, BlurScaling, HalfAngle, InScatter, Scene, Source, Stage, Technique};
 
+use super::Drawing;
 use super::matter::Matter;
-use super::slabs::{along_light, slice_axis};
-use super::sweep::{Geometry, Sweep};
-use super::transport::Transport;
-use super::{Drawing, taps};
+use super::sweep::Sweep;
 use crate::lanes::{InstructionSet, Lanes, dispatch};
 use crate::prepare::{Cache, Prepared};
 
@@ -97,11 +96,9 @@ trait Look {
 /// Sends light through `slabs` slabs, or all, and shows what is in front of each.
 fn sweep(stage: &Stage, settings: &HalfAngle, slabs: Option<usize>, look: &mut impl Look) {
     let mut cache = Cache::default();
+    let stage = &Stage { technique: Technique::HalfAngle(settings.clone()), ..stage.clone() };
     let prepared = Prepared::new(stage, &stage.volumes[0], &mut cache).unwrap();
-    let geometry = Geometry::new(&prepared, settings, &stage.lights[0]).unwrap();
-    let data = pellucid_optics::DataRange::of(&stage.volumes[0].volume);
-    let ratio = stage.step / stage.volumes[0].unit_distance();
-    let transport = Transport::new(&stage.volumes[0].scattering, &data, ratio).unwrap();
+    let geometry = Geometry::new(stage, prepared.grid(), settings, &stage.lights[0]).unwrap();
     let drawing = Drawing {
         prepared: &prepared,
         settings,
@@ -109,7 +106,6 @@ fn sweep(stage: &Stage, settings: &HalfAngle, slabs: Option<usize>, look: &mut i
         light: &stage.lights[0],
         lights: 1,
         is_first: true,
-        transport: transport.as_ref(),
     };
     fn run<S: Lanes>(s: S, drawing: &Drawing, slabs: Option<usize>, look: &mut impl Look) {
         let matter: Matter<S> = drawing.matter(s).unwrap();

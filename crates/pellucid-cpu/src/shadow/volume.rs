@@ -3,6 +3,7 @@
 use glam::{DAffine3, DVec3};
 use pellucid_field::{ComponentView, Gradient, Grid, Linear, Volume, Voxels};
 use pellucid_optics::ResolvedLight;
+use pellucid_scene::half_angle::Geometry;
 use pellucid_scene::{Control, HalfAngle, Region};
 use rayon::prelude::*;
 
@@ -10,7 +11,7 @@ use super::Shadow;
 use crate::RenderError;
 use crate::classify::Lookup;
 use crate::field::{Bounds, Field, Probe, Trilinear};
-use crate::half_angle::{Geometry, Matter, Sweep};
+use crate::half_angle::{Matter, Sweep};
 use crate::lanes::*;
 use crate::prepare::Prepared;
 
@@ -45,7 +46,8 @@ impl LightVolume {
         // Texels about as far apart as the points.
         let [near, far] = [points.smallest_spacing(), grid.world_corners()[0].distance(grid.center()) * 2.0];
         let texels = (far / near).ceil().clamp(16.0, 4096.0) as u32;
-        let geometry = Geometry::of_light(prepared, light, texels).ok_or(RenderError::LightInside { light: number })?;
+        let geometry = Geometry::of_light(prepared.stage.step, grid, light, texels)
+            .ok_or(RenderError::LightInside { light: number })?;
         let direct = HalfAngle { indirect: 0.0, ..HalfAngle::default() };
         let values = dispatch!(set, s => sweep(s, prepared, &geometry, &direct, &points, control))?;
         Ok(Self {

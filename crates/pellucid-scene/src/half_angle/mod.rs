@@ -1,0 +1,84 @@
+//! Where light and eye meet the slabs of half-angle slicing (K-05, 6.1-3): what every backend sweeps over.
+
+mod light_frame;
+mod slabs;
+pub mod taps;
+
+use glam::DVec3;
+use pellucid_field::Grid;
+use pellucid_optics::{ResolvedLight, Scattering};
+
+pub use light_frame::LightFrame;
+pub use slabs::{Slabs, along_light, slice_axis};
+
+use crate::{HalfAngle, Stage};
+
+/// Where light and slabs are.
+#[derive(Clone, Debug)]
+pub struct Geometry {
+    /// The light's picture.
+    pub frame: LightFrame,
+    /// The slabs.
+    pub slabs: Slabs,
+    /// How far light travels in them.
+    pub ways: Ways,
+    /// The longest way, in world units.
+    pub longest: f64,
+}
+
+/// How far light travels in a slab.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ways {
+    /// So many steps.
+    Same(f32),
+    /// From a light at this coordinate of the slabs; a step in world units.
+    From {
+        /// Coordinate of the light.
+        place: f32,
+        /// World length of a step.
+        step: f32,
+    },
+}
+
+impl Geometry {
+    /// For a light and the eye of a stage that looks at a grid; `None` if the light stands in its box, or beside
+    /// it.
+    pub fn new(stage: &Stage, grid: &Grid, settings: &HalfAngle, light: &ResolvedLight) -> Option<Self> {
+        let frame = LightFrame::new(light, grid, settings.resolution)?;
+        let view = &stage.viewpoint;
+        let toward = (grid.center() - view.eye).try_normalize().filter(|_| view.perspective).unwrap_or(view.forward);
+        let rays = frame.corner_rays();
+        let axis = along_light(slice_axis(toward, frame.forward), frame.forward, &rays);
+        // So that a ray of the eye in the middle has its samples a step apart.
+        let thickness = stage.step * axis.dot(toward).abs().max(0.1);
+        Some(Self::across(stage.step, grid, frame, axis, thickness))
+    }
+
+    /// For a light alone: slabs across its middle direction, a step apart; `None` as above.
+    pub fn of_light(step: f64, grid: &Grid, light: &ResolvedLight, resolution: u32) -> Option<Self> {
+        let frame = LightFrame::new(light, grid, resolution)?;
+        let axis = frame.forward;
+        Some(Self::across(step, grid, frame, axis, step))
+    }
+
+    fn across(step: f64, grid: &Grid, frame: LightFrame, axis: DVec3, thickness: f64) -> Self {
+        let rays = frame.corner_rays();
+        let slabs = Slabs::new(axis, thickness, grid);
+        let ways = match frame.position() {
+            None => Ways::Same((thickness / axis.dot(frame.forward) / step) as f32),
+            Some(position) => Ways::From { place: slabs.coordinate(position) as f32, step: step as f32 },
+        };
+        let steepest = rays.iter().map(|ray| ray.dot(axis)).fold(1.0, f64::min);
+        let depth = thickness * slabs.count as f64;
+        Self { frame, slabs, ways, longest: thickness.min(depth) / steepest }
+    }
+}
+
+/// Weights of direct light that is scattered into the cone, over those of light that is thrown straight on
+/// (Eq. 6.8).
+pub fn into_cone(scattering: &Scattering, settings: &HalfAngle) -> [f32; 3] {
+    let (phase, g) = (&scattering.phase, scattering.phase.anisotropy().unwrap_or(0.0));
+    let cosine = (settings.blur_angle.to_radians() / 2.0).cos() as f32;
+    let [cone, forward] = [cosine, 1.0].map(|mu| phase.weight(scattering.phase_normalization, g, mu));
+    [0, 1, 2].map(|channel| if forward[channel] > 0.0 { cone[channel] / forward[channel] } else { 1.0 })
+}

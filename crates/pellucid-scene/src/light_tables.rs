@@ -1,0 +1,50 @@
+//! What samples that scatter light look up, and what its indirect part loses (6.2, 6.3).
+
+use pellucid_optics::{Albedo, DataRange, LightModel, OpticsError, ScatterTable, StepTable, Table, TransportTable};
+
+use crate::{Mode, Stage, StageVolume, Technique};
+
+/// The tables of a stage whose samples scatter light as a cloud; all are empty where they do not.
+#[derive(Clone, Debug, Default)]
+pub struct LightTables {
+    /// What of scattering depends on the data.
+    pub scatter: Option<ScatterTable>,
+    /// Associated colours of one step, if what samples scatter is not the transfer function's colour.
+    pub albedo: Option<StepTable>,
+    /// What gets through of indirect light in one step, if that is not what gets through of direct light.
+    pub transport: Option<TransportTable>,
+}
+
+impl LightTables {
+    /// The tables of a volume of a stage, with that of its transfer function.
+    ///
+    /// # Errors
+    /// As [`Nodes::new`](pellucid_optics::Nodes::new).
+    pub fn new(stage: &Stage, volume: &StageVolume, table: &Table) -> Result<Self, OpticsError> {
+        if !stage.scatters() {
+            return Ok(Self::default());
+        }
+        let (scattering, data) = (&volume.scattering, DataRange::of(&volume.volume));
+        let ratio = stage.step / volume.unit_distance();
+        let albedo = (scattering.albedo != Albedo::Color).then(|| {
+            let albedo = |value, entry| scattering.at(value, entry).albedo;
+            StepTable::new(&table.recolored(albedo), ratio as f32)
+        });
+        let transport = matches!(stage.technique, Technique::HalfAngle(_))
+            .then(|| TransportTable::new(scattering, &data, ratio))
+            .transpose()?
+            .flatten();
+        Ok(Self { scatter: Some(ScatterTable::new(scattering, table, &data)?), albedo: albedo.transpose()?, transport })
+    }
+}
+
+impl Stage {
+    /// Whether samples answer light as a cloud, by the volume's `scattering`.
+    pub fn scatters(&self) -> bool {
+        match self.technique {
+            Technique::RayCast(_) => self.light_model == LightModel::Scattering && *self.mode() == Mode::Composite,
+            Technique::HalfAngle(_) => true,
+            _ => false,
+        }
+    }
+}
