@@ -223,7 +223,7 @@ impl Prepared<'_> {
 
     /// How samples scatter, if they are not surfaces.
     pub fn scatter(&self) -> Option<Scatter<'_>> {
-        self.light.scatter.as_ref().map(|table| Scatter::new(&self.volume.scattering, table))
+        self.tables.light.scatter.as_ref().map(|table| Scatter::new(&self.volume.scattering, table))
     }
 
     fn shadow<'a, S: Lanes>(

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pellucid_field::Grid;
 use pellucid_optics::{ResolvedLight, ShadowRays, ShadowVolume, Shadows, StepTable};
 use pellucid_scene::{
-    BlockContent, BlockMap, Control, LightTables, Mode, Region, Stage, StageVolume, TableCache, Tables, Technique,
+    BlockContent, BlockMap, Control, Mode, Region, Stage, StageVolume, TableCache, Tables, Technique,
 };
 
 use crate::RenderError;
@@ -128,8 +128,6 @@ pub struct Prepared<'s> {
     pub tables: Arc<Tables>,
     /// What is leapt over.
     pub grids: Arc<Grids>,
-    /// What samples that scatter look up.
-    pub light: LightTables,
     /// What the ways to lights need, if shadow rays are cast.
     pub shadows: Option<ShadowSteps>,
 }
@@ -156,25 +154,24 @@ impl<'s> Prepared<'s> {
         }
         let tables = cache.tables.tables(stage, volume)?;
         let grids = cache.grids(&tables);
-        let light = LightTables::new(stage, volume, &tables.table)?;
-        let lit = light.scatter.is_some() || volume.material.is_some();
+        let lit = tables.light.scatter.is_some() || volume.material.is_some();
         let length = shadow_step(stage, volume).filter(|_| lit);
         let steps = |length| {
             let table = StepTable::new(&tables.table, (length / volume.unit_distance()) as f32)?;
             Ok::<_, RenderError>(ShadowSteps { length, table })
         };
         let shadows = length.map(steps).transpose()?;
-        Ok(Self { stage, volume, region: stage.region(volume), tables, grids, light, shadows })
+        Ok(Self { stage, volume, region: stage.region(volume), tables, grids, shadows })
     }
 
     /// Associated colours of one step.
     pub fn step_table(&self) -> &StepTable {
-        self.light.albedo.as_ref().unwrap_or(&self.tables.step_table)
+        self.tables.scattered_steps()
     }
 
     /// Whether anything of the volume answers light.
     pub fn is_lit(&self) -> bool {
-        self.light.scatter.is_some() || self.volume.material.is_some()
+        self.tables.light.scatter.is_some() || self.volume.material.is_some()
     }
 
     /// The grid all positions refer to.

@@ -5,7 +5,7 @@ use pellucid_optics::{Albedo, DataRange, LightModel, OpticsError, ScatterTable, 
 use crate::{Mode, Stage, StageVolume, Technique};
 
 /// The tables of a stage whose samples scatter light as a cloud; all are empty where they do not.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightTables {
     /// What of scattering depends on the data.
     pub scatter: Option<ScatterTable>,
@@ -30,10 +30,8 @@ impl LightTables {
             let albedo = |value, entry| scattering.at(value, entry).albedo;
             StepTable::new(&table.recolored(albedo), ratio as f32)
         });
-        let transport = matches!(stage.technique, Technique::HalfAngle(_))
-            .then(|| TransportTable::new(scattering, &data, ratio))
-            .transpose()?
-            .flatten();
+        let transport =
+            stage.half_angle().map(|_| TransportTable::new(scattering, &data, ratio)).transpose()?.flatten();
         Ok(Self { scatter: Some(ScatterTable::new(scattering, table, &data)?), albedo: albedo.transpose()?, transport })
     }
 }
@@ -42,9 +40,11 @@ impl Stage {
     /// Whether samples answer light as a cloud, by the volume's `scattering`.
     pub fn scatters(&self) -> bool {
         match self.technique {
-            Technique::RayCast(_) => self.light_model == LightModel::Scattering && *self.mode() == Mode::Composite,
+            Technique::RayCast(_) | Technique::Slicing(_) => {
+                self.light_model == LightModel::Scattering && *self.mode() == Mode::Composite
+            }
             Technique::HalfAngle(_) => true,
-            _ => false,
+            Technique::PathTrace(_) => false,
         }
     }
 }

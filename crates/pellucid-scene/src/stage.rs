@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{Classification, Mode, Region, Slice, Slicing, Stage, StageVolume, Technique};
+use crate::{Classification, HalfAngle, Mode, Region, Slice, Slicing, Stage, StageVolume, Technique};
 
 impl Stage {
     /// What is made of the samples.
@@ -14,6 +14,14 @@ impl Stage {
     pub fn slicing(&self) -> Option<&Slicing> {
         match &self.technique {
             Technique::Slicing(slicing) => Some(slicing),
+            _ => None,
+        }
+    }
+
+    /// The settings of half-angle slicing, if that draws.
+    pub fn half_angle(&self) -> Option<&HalfAngle> {
+        match &self.technique {
+            Technique::HalfAngle(half_angle) => Some(half_angle),
             _ => None,
         }
     }

@@ -4,9 +4,12 @@
 use std::sync::Arc;
 
 use pellucid_field::{Blocks, FieldError, Filter, Volume, spline_coefficients};
-use pellucid_optics::{DataRange, OpticsError, PreIntegration, StepTable, Table, TransferFunction, Visibility};
+use pellucid_optics::{
+    DataRange, OpticsError, PreIntegration, Scattering, StepTable, Table, TransferFunction, Visibility,
+};
 
 use crate::blocks::{BlockContent, BlockMap};
+use crate::light_tables::LightTables;
 use crate::strides;
 use crate::{Classification, Combine, Mode, Quality, Slice, Stage, StageVolume};
 
@@ -54,6 +57,8 @@ struct Settings {
     quality: Quality,
     mode: Mode,
     classifies_voxels: bool,
+    /// How light is scattered, if it is, and whether it travels from slab to slab.
+    scattering: Option<(Scattering, bool)>,
 }
 
 impl Default for TableCache {
@@ -89,6 +94,7 @@ impl TableCache {
             quality: stage.quality.clone(),
             mode: stage.mode().clone(),
             classifies_voxels: stage.classifies_voxels(),
+            scattering: stage.scatters().then(|| (volume.scattering.clone(), stage.half_angle().is_some())),
         };
         match &self.tables {
             Some((of, tables)) if Arc::ptr_eq(&tables.volume, &volume.volume) && *of == settings => Ok(tables.clone()),
@@ -161,9 +167,16 @@ pub struct Tables {
     pub preintegration: Option<PreIntegration>,
     /// What blocks tell, for modes that leap over some.
     pub blocks: Option<BlockMap>,
+    /// What samples that scatter light look up.
+    pub light: LightTables,
 }
 
 impl Tables {
+    /// Associated colours of one step of what samples scatter or are.
+    pub fn scattered_steps(&self) -> &StepTable {
+        self.light.albedo.as_ref().unwrap_or(&self.step_table)
+    }
+
     fn new(stage: &Stage, volume: &StageVolume, cache: &mut TableCache) -> Result<Self, TableError> {
         let quality = &stage.quality;
         let (field, component, filter) = match quality.filter {
@@ -178,6 +191,7 @@ impl Tables {
         let ratio = stage.step / volume.unit_distance();
         let table = Table::for_data(tf, &range)?;
         let step_table = StepTable::new(&table, ratio as f32)?;
+        let light = LightTables::new(stage, volume, &table)?;
         let composited = matches!(stage.mode(), Mode::Composite);
         let preintegration = (composited && quality.classification == Classification::PreIntegrated)
             .then(|| PreIntegration::for_data(tf, &range, ratio))
@@ -223,6 +237,7 @@ impl Tables {
             stride_entries,
             preintegration,
             blocks,
+            light,
         })
     }
 }

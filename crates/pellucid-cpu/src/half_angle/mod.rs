@@ -185,7 +185,7 @@ impl Drawing<'_> {
     }
 
     fn transport(&self) -> Option<Lookup<'_>> {
-        self.prepared.light.transport.as_ref().map(|table| Lookup::of_rows(table.entries(), table.nodes()))
+        self.prepared.tables.light.transport.as_ref().map(|table| Lookup::of_rows(table.entries(), table.nodes()))
     }
 
     fn matter<S: Lanes>(&self, s: S) -> Result<Matter<'_, S>, RenderError> {

@@ -6,22 +6,30 @@ use crate::{BlurJitter, BlurScaling, HalfAngle};
 /// neither move light nor, being the same for all texels, lose any. On the rim their second moment is half
 /// the radius squared on each axis, over a disc a quarter of it.
 pub fn offsets(settings: &HalfAngle, slab: usize) -> Vec<[f32; 2]> {
-    if settings.taps < 2 || settings.blur_angle == 0.0 {
-        return Vec::new();
-    }
-    let (turn, radius) = match settings.jitter {
-        BlurJitter::Fixed => (0.0, 1.0),
-        BlurJitter::PerSlice => {
-            let noise = |number: u64| random(u64::from(settings.seed) << 32 | slab as u64, number);
-            // Uniform in area.
-            (noise(0), noise(1).sqrt())
-        }
-    };
+    let [turn, radius] = pattern(settings, slab);
     let offset = |tap: u32| {
         let (sin, cos) = ((f64::from(tap) + turn) / f64::from(settings.taps) * std::f64::consts::TAU).sin_cos();
         [(radius * cos) as f32, (radius * sin) as f32]
     };
-    (0..settings.taps).map(offset).collect()
+    (0..count(settings)).map(offset).collect()
+}
+
+/// How many taps there are: none if nothing is blurred.
+pub fn count(settings: &HalfAngle) -> u32 {
+    if settings.taps < 2 || settings.blur_angle == 0.0 { 0 } else { settings.taps }
+}
+
+/// The polygon of a slab: by which part of the angle between two corners it is turned, and its corners' share of
+/// the blur's radius.
+pub fn pattern(settings: &HalfAngle, slab: usize) -> [f64; 2] {
+    match settings.jitter {
+        BlurJitter::Fixed => [0.0, 1.0],
+        BlurJitter::PerSlice => {
+            let noise = |number: u64| random(u64::from(settings.seed) << 32 | slab as u64, number);
+            // Uniform in area.
+            [noise(0), noise(1).sqrt()]
+        }
+    }
 }
 
 /// The radius of the blur in world units, for slabs in which light travels so far.
