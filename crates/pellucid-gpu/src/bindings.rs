@@ -56,8 +56,9 @@ impl<'a> Bindings<'a> {
             hardware: interpolation == Interpolation::Hardware && encoding.filterable && filter == Filter::Linear,
             holes: encoding.holes,
             bricks: !resident.is_whole(),
-            shaded: volume.material.is_some() && lights(stage.mode()),
-            weighted: volume.gradient_weight.is_some(),
+            shaded: optics.shaded,
+            weighted: optics.weighted,
+            scattered: optics.tables.light.scatter.is_some(),
             opaque: optics.opaque,
             kernels: kernels.is_some(),
             ..Variant::of(optics.pass)
@@ -137,13 +138,14 @@ impl<'a> Bindings<'a> {
         self.device.device.create_bind_group(&BindGroupDescriptor { label: None, layout, entries: &[] })
     }
 
-    /// The table.
-    pub fn table_group(&self, layout: &BindGroupLayout) -> BindGroup {
-        self.device.device.create_bind_group(&BindGroupDescriptor {
-            label: Some("tables"),
-            layout,
-            entries: &[BindGroupEntry { binding: 0, resource: self.uploads.entries.as_entire_binding() }],
-        })
+    /// The tables that a variant reads.
+    pub fn table_group(&self, layout: &BindGroupLayout, variant: &Variant) -> BindGroup {
+        let Uploads { entries, scattering, .. } = self.uploads;
+        let mut bound = vec![BindGroupEntry { binding: 0, resource: entries.as_entire_binding() }];
+        if variant.has_scattering() {
+            bound.push(BindGroupEntry { binding: 1, resource: scattering.as_entire_binding() });
+        }
+        self.device.device.create_bind_group(&BindGroupDescriptor { label: Some("tables"), layout, entries: &bound })
     }
 }
 

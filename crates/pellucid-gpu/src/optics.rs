@@ -1,10 +1,11 @@
 //! The tables and blocks of a stage: the same numbers that the CPU backend looks up.
 
-use pellucid_optics::{ColorSpace, Nodes, TransferFunction};
+use pellucid_optics::{ColorSpace, Nodes, SurfaceShare, TransferFunction};
 use pellucid_scene::{
     BlockContent, BlockMap, Classification, ColorWeight, Combine, Isosurface, Mode, Slice, Stage, StageVolume, Tables,
 };
 
+use crate::scattering;
 use crate::shaders::Pass;
 use crate::uniforms::Level;
 
@@ -26,22 +27,29 @@ pub struct Optics<'a> {
     pub blocks: Option<&'a BlockMap>,
     /// Isosurfaces.
     pub levels: Vec<Level>,
+    /// Whether samples may be surfaces in light, and whether gradients tell how much of one.
+    pub shaded: bool,
+    pub weighted: bool,
+    /// How they scatter, if they do.
+    pub scattering: Vec<[f32; 4]>,
 }
 
 impl<'a> Optics<'a> {
     /// What a stage's pass wants of its tables.
     pub fn new(stage: &Stage, volume: &StageVolume, tables: &'a Tables) -> Self {
-        let (pass, opaque) = pass_of(stage);
+        // Half-angle slices classify every sample by itself.
+        let (pass, opaque) = if stage.half_angle().is_some() { (Pass::Composite, false) } else { pass_of(stage) };
         let bleeds = pass == Pass::CompositePre
             && stage.slicing().is_some_and(|slicing| slicing.colors == ColorWeight::NonAssociated);
+        let steps = tables.scattered_steps();
         let (entries, nodes) = match (pass, &tables.preintegration, &tables.stride_entries) {
+            _ if stage.half_angle().is_some() => (steps.entries(), steps.nodes()),
             (Pass::PreIntegrated, Some(segments), _) => (segments.entries(), segments.nodes()),
             (Pass::Composite, _, Some(strides)) => (strides.as_slice(), tables.step_table.nodes()),
             // Colours without their opacity, which invisible values have, too.
             _ if bleeds => (tables.table.entries(), tables.table.nodes()),
-            (Pass::Composite | Pass::CompositePre | Pass::XRay, ..) => {
-                (tables.step_table.entries(), tables.step_table.nodes())
-            }
+            (Pass::Composite, ..) => (steps.entries(), steps.nodes()),
+            (Pass::CompositePre | Pass::XRay, ..) => (tables.step_table.entries(), tables.step_table.nodes()),
             _ => (tables.table.entries(), tables.table.nodes()),
         };
         let levels = match stage.mode() {
@@ -50,14 +58,21 @@ impl<'a> Optics<'a> {
         };
         // A plane is met once: there is nothing to leap over.
         let blocks = tables.blocks.as_ref().filter(|_| pass != Pass::Slice);
-        Self { pass, opaque, tables, entries, bleeds, nodes: *nodes, blocks, levels }
+        let scattering = &volume.scattering;
+        let (shaded, weighted) = match tables.light.scatter {
+            Some(_) => (scattering.has_surfaces(), matches!(scattering.surface, SurfaceShare::Gradient(_))),
+            None => (volume.material.is_some() && lights(stage.mode()), volume.gradient_weight.is_some()),
+        };
+        let scattering = scattering::to_fours(scattering, &tables.light);
+        Self { pass, opaque, tables, entries, bleeds, nodes: *nodes, blocks, levels, shaded, weighted, scattering }
     }
 }
 
 impl Optics<'_> {
     /// Bytes of the tables on the device.
     pub fn table_bytes(&self) -> u64 {
-        (size_of_val(self.entries) + size_of_val(self.levels.as_slice())) as u64
+        let scattering = size_of_val(self.scattering.as_slice());
+        (size_of_val(self.entries) + size_of_val(self.levels.as_slice()) + scattering) as u64
     }
 
     /// Bytes of the map of blocks on the device.

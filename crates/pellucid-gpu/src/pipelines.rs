@@ -77,7 +77,7 @@ pub fn module(device: &Device, variant: &Variant) -> Result<ShaderModule, GpuErr
 pub fn groups(device: &Device, variant: &Variant) -> Vec<BindGroupLayout> {
     let mut groups = vec![frame_layout(device, variant)];
     match (variant.pass, variant.traversal) {
-        (pass, _) if !pass.samples() && pass != Pass::Slice => {}
+        (pass, _) if !pass.reads() => {}
         (_, Traversal::SlicePixels) => {
             let nothing = device
                 .device
@@ -139,6 +139,8 @@ fn frame_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
         (_, Traversal::Slices) => types.extend([(9, uniform), (10, read), (11, read), (12, read)]),
         (_, Traversal::SlicePixels) => types.extend([(7, write), (9, uniform), (13, blended), (14, blended)]),
         (Pass::Resolve, _) => types.extend([(5, write), (7, write)]),
+        (Pass::HalfAngleLight | Pass::HalfAnglePresence, _) => types.extend([(17, uniform), (18, write)]),
+        (Pass::HalfAngleEye | Pass::HalfAngleSurface, _) => types.extend([(5, write), (17, uniform), (18, write)]),
         _ => types.push((5, write)),
     }
     if variant.wavefront {
@@ -177,5 +179,10 @@ fn volume_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
 }
 
 fn table_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
-    layout(device, variant, "tables", &[(0, buffer(BufferBindingType::Storage { read_only: true }, None))])
+    let read = buffer(BufferBindingType::Storage { read_only: true }, None);
+    let mut types = vec![(0, read)];
+    if variant.has_scattering() {
+        types.push((1, read));
+    }
+    layout(device, variant, "tables", &types)
 }

@@ -71,7 +71,7 @@ impl<'a> RayCaster<'a> {
         .canonical();
         let resolve = pipelines.get(device, Variant::of(Pass::Resolve))?.clone();
         let march = pipelines.get(device, bindings.variant)?.clone();
-        let table = bindings.table_group(&march.groups[2]);
+        let table = bindings.table_group(&march.groups[2], &march.variant);
         let mut bricks = resident.bricks.clone();
         bricks::sort(&mut bricks, stage, volume.volume.grid());
         Ok(Self { device, resident, stage, bindings, bricks, march, resolve, table })

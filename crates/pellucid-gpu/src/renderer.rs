@@ -5,13 +5,14 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pellucid_field::Volume;
-use pellucid_optics::{LightModel, Shadows};
+use pellucid_optics::Shadows;
 use pellucid_scene::{
     Control, Frame, FrameStatistics, Mode, RenderWarning, Stage, StageVolume, TableCache, Tables, Technique,
 };
 
 use crate::bricks::{self, Brick};
 use crate::device::Device;
+use crate::half_angle::{self, HalfAngleSlicer};
 use crate::optics::Optics;
 use crate::pipelines::Pipelines;
 use crate::plan::Demands;
@@ -113,9 +114,9 @@ impl GpuRenderer {
     pub fn lacks(stage: &Stage) -> Option<String> {
         let lit = matches!(stage.mode(), Mode::Composite | Mode::Isosurface(_));
         match &stage.technique {
-            Technique::PathTrace(_) | Technique::HalfAngle(_) => Some(stage.technique.name().to_owned()),
+            Technique::PathTrace(_) => Some(stage.technique.name().to_owned()),
+            Technique::HalfAngle(_) => None,
             _ if lit && stage.shadows != Shadows::None => Some(format!("lighting.shadows = {}", stage.shadows.name())),
-            _ if lit && stage.light_model == LightModel::Scattering => Some("lighting.model = scattering".to_owned()),
             Technique::RayCast(_) | Technique::Slicing(_) => None,
         }
     }
@@ -232,9 +233,16 @@ impl GpuRenderer {
                 layout: Layout::Solid,
                 border: bricks::border(stage, volume.volume.grid(), 1.0),
                 pixel_bytes: 0,
+                frame_bytes: stage.half_angle().map_or(0, half_angle::bytes),
             },
         };
         let (plan, bricks) = MemoryPlan::new(&self.device, self.budget, stage, volume, &sources, &optics, demands)?;
+        if stage.half_angle().is_some() && bricks.len() > 1 {
+            let what = "the volume, which half-angle slicing needs whole,".to_owned();
+            let needed = volume.volume.voxels().as_bytes().len() as u64;
+            let advice = "draw it with --backend cpu, or resample it";
+            return Err(GpuError::Budget { what, needed, budget: plan.budget, advice });
+        }
         Ok(Prepared { volume, tables, sources, plan, bricks })
     }
 
@@ -252,15 +260,22 @@ impl GpuRenderer {
         let frame = &mut self.next;
         frame.clear(stage.viewpoint.width, stage.viewpoint.height);
         let (device, optics) = (&self.device, (&optics, &*uploads));
-        let drawing = match stage.slicing() {
-            None => {
+        let drawing = match &stage.technique {
+            Technique::RayCast(_) | Technique::PathTrace(_) => {
                 let caster =
                     RayCaster::new(device, &mut self.pipelines, resident, (stage, volume), optics, self.drawing);
                 let (mut caster, drawing) = (caster?, Instant::now());
                 caster.draw(&mut self.reused, control, frame)?;
                 drawing
             }
-            Some(slicing) => {
+            Technique::HalfAngle(settings) => {
+                let what = (stage, volume, settings);
+                let slicer = HalfAngleSlicer::new(device, &mut self.pipelines, resident, what, optics, self.drawing);
+                let (mut slicer, drawing) = (slicer?, Instant::now());
+                slicer.draw(&mut self.reused, control, frame)?;
+                drawing
+            }
+            Technique::Slicing(slicing) => {
                 let pipelines = (&mut self.pipelines, &mut self.draw_pipelines);
                 let what = (stage, volume, slicing);
                 let slicer = Slicer::new(device, pipelines, resident, what, optics, self.drawing);

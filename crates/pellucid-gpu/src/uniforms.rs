@@ -245,6 +245,7 @@ fn rows(matrix: DMat3, last: DVec3) -> [Four; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::half_angle::Sweep;
     use crate::shaders::{self, Constants, Traversal, Variant};
     use crate::slicing::SliceBox;
     use std::mem::offset_of;
@@ -289,6 +290,10 @@ mod tests {
         assert_eq!(layout(&sliced, "Slices"), slices);
         assert_eq!(layout(&sliced, "Box"), fields!(SliceBox: low high));
         assert_eq!(layout(&pixels.link(Constants::Uniform).unwrap(), "Pixel"), fields!(Pixel: color surface counts));
+        let sweep = fields!(Sweep: slabs texel_x texel_y depth origin_middle origin_right origin_up direction_middle
+            direction_right direction_up plane ways blur scales cone size counts);
+        let eye = Variant::of(shaders::Pass::HalfAngleEye).link(Constants::Uniform).unwrap();
+        assert_eq!(layout(&eye, "Sweep"), sweep);
         assert_eq!(layout(&resolve, "Pixel"), fields!(Pixel: color surface counts));
         assert_eq!(layout(&resolve, "State").1 as u64, STATE_BYTES);
     }

@@ -17,6 +17,8 @@ pub struct Uploads {
     pub entries: Buffer,
     /// What rays ask of blocks.
     pub blocks: TextureView,
+    /// How samples scatter.
+    pub scattering: Buffer,
     /// Isosurfaces.
     pub levels: Buffer,
     /// The tile of blue noise.
@@ -34,6 +36,7 @@ impl Uploads {
             bleeds: optics.bleeds,
             entries: storage(device, "table", optics.entries),
             blocks: block_texture(device, optics.blocks, optics.pass.compares_extremes()),
+            scattering: storage(device, "scattering", &optics.scattering),
             levels: storage(device, "levels", &optics.levels),
             noise: storage(device, "noise", &noise),
         }

@@ -7,22 +7,26 @@
 #import pellucid::table::{classify_stride, over_length}
 #ifdef PRECLASSIFIED
 #import pellucid::preclassify::classify_voxels
-#else
-#import pellucid::field::field_value
 #endif
+#import pellucid::field::field_value
 
 fn visit(state: ptr<function, State>, ray: Ray, sample: Sample, p: vec3<f32>) -> bool {
 #ifdef PRECLASSIFIED
     let classified = classify_voxels(p);
+    var value = 0.0;
+#ifdef SCATTERED
+    value = field_value(p);
+#endif
 #else
-    let classified = classify_stride(field_value(p), sample.level);
+    let value = field_value(p);
+    let classified = classify_stride(value, sample.level);
 #endif
     let rgba = over_length(classified, sample.ratio);
     if rgba.a <= 0.0 {
         return false;
     }
     (*state).counts.y += 1u;
-    return add_sample(state, ray, sample.distance, rgba);
+    return add_sample(state, ray, sample.distance, value, rgba);
 }
 
 fn finish(state: ptr<function, State>) {}

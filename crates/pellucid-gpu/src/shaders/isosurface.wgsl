@@ -94,7 +94,7 @@ fn meet_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool
         let gradient = field_gradient(p);
         var rgba = vec4<f32>(level.color.rgb * level.color.a, level.color.a);
 #ifdef SHADED
-        rgba = lit(rgba, p, gradient, ray.to_eye);
+        rgba = lit(rgba, level.value.x, p, gradient, ray.to_eye);
 #endif
         (*state).color = over((*state).color, rgba);
         if (*state).surface.w == NOWHERE {

@@ -1,7 +1,11 @@
-// Local light (5.4): as `pellucid-optics` defines it in `shading.rs` and `light.rs`.
+// Light at samples, by local reflection (5.4) and by scattering (6.2): as `pellucid-optics` defines it in
+// `shading.rs`, `light.rs` and `phase`.
 #define_import_path pellucid::light
 
 #import pellucid::frame::frame
+#ifdef SCATTERED
+#import pellucid::scatter::{Scatterer, scatterer_of, phase_weight, gradient_share}
+#endif
 
 struct Light {
     // Unit vector to it, or its position; `w` is 1 for a position.
@@ -42,55 +46,120 @@ fn normalized(v: vec3<f32>) -> vec3<f32> {
     return v / sqrt(squared);
 }
 
-// An associated sample with light upon it: weighted by its opacity, or transparent samples would glow
+// A light as it reaches a place, were nothing in between.
+struct Incident {
+    // Unit vector to it, and its radiance; zero if it shines from this very place.
+    to_light: vec3<f32>,
+    radiance: vec3<f32>,
+}
+
+fn incident(light: Light, p: vec3<f32>) -> Incident {
+    var to_light = light.place.xyz;
+    var strength = 1.0;
+    if light.place.w != 0.0 {
+        let here = vec4<f32>(p, 1.0);
+        let world = vec3<f32>(dot(frame.world_x, here), dot(frame.world_y, here), dot(frame.world_z, here));
+        let path = light.place.xyz - world;
+        let distance = length(path);
+        if !(distance > 1e-12) {
+            return Incident(vec3<f32>(0.0), vec3<f32>(0.0));
+        }
+        to_light = path / distance;
+        if light.cone.z > 0.0 {
+            let ratio = light.cone.z / distance;
+            strength = min(ratio * ratio, 1e12);
+        }
+        if light.axis.w != 0.0 {
+            strength *= smoothstep(light.cone.y, light.cone.x, dot(light.axis.xyz, -to_light));
+        }
+    }
+    return Incident(to_light, light.radiance.rgb * strength);
+}
+
+// A sample that light falls on.
+struct Lit {
+    // As a surface: unit normal and the gradient's magnitude.
+    surface: Normal,
+    to_eye: vec3<f32>,
+    // Factors of its own colour, by what reflects and what scatters; highlights.
+    diffuse: vec3<f32>,
+    scattered: vec3<f32>,
+    specular: vec3<f32>,
+#ifdef SCATTERED
+    matter: Scatterer,
+#endif
+}
+
+// A sample in the dark; what is a surface has a gradient.
+fn in_the_dark(value: f32, gradient: vec3<f32>, to_eye: vec3<f32>) -> Lit {
+    var sample: Lit;
+    sample.to_eye = to_eye;
+#ifdef SHADED
+    sample.surface = normal_of(gradient);
+    if frame.counts.w != 0u && dot(sample.surface.direction, to_eye) < 0.0 {
+        sample.surface.direction = -sample.surface.direction;
+    }
+#endif
+#ifdef SCATTERED
+    sample.matter = scatterer_of(value);
+#endif
+    return sample;
+}
+
+// Adds a light, of which a part is left.
+fn add_light(sample: ptr<function, Lit>, light: Light, p: vec3<f32>, left: f32) {
+    let arriving = incident(light, p);
+    let radiance = arriving.radiance * left;
+#ifdef SCATTERED
+    let matter = (*sample).matter;
+    (*sample).scattered += radiance * phase_weight(matter.g, -dot(arriving.to_light, (*sample).to_eye));
+#endif
+#ifdef SHADED
+    let facing = max(dot((*sample).surface.direction, arriving.to_light), 0.0);
+    if facing == 0.0 {
+        return;
+    }
+    (*sample).diffuse += radiance * (facing * frame.material.y);
+    if light.radiance.w != 0.0 && frame.material.z > 0.0 {
+        let halfway = normalized(arriving.to_light + (*sample).to_eye);
+        let tilt = clamp(dot((*sample).surface.direction, halfway), 0.0, 1.0);
+        if tilt > 0.0 {
+            (*sample).specular += radiance * (pow(tilt, frame.material.w) * frame.material.z);
+        }
+    }
+#endif
+}
+
+// An associated sample in the light that was added: weighted by its opacity, or transparent samples would glow
 // (5.4-1).
-fn lit(rgba: vec4<f32>, p: vec3<f32>, gradient: vec3<f32>, to_eye: vec3<f32>) -> vec4<f32> {
-    let surface = normal_of(gradient);
-    var normal = surface.direction;
-    if frame.counts.w != 0u && dot(normal, to_eye) < 0.0 {
-        normal = -normal;
-    }
-    var diffuse = vec3<f32>(frame.material.x);
-    var specular = vec3<f32>(0.0);
-    for (var i = 0u; i < frame.counts.x; i += 1u) {
-        let light = lights[i];
-        var to_light = light.place.xyz;
-        var strength = 1.0;
-        if light.place.w != 0.0 {
-            let here = vec4<f32>(p, 1.0);
-            let world = vec3<f32>(dot(frame.world_x, here), dot(frame.world_y, here), dot(frame.world_z, here));
-            let path = light.place.xyz - world;
-            let distance = length(path);
-            if !(distance > 1e-12) {
-                continue;
-            }
-            to_light = path / distance;
-            if light.cone.z > 0.0 {
-                let ratio = light.cone.z / distance;
-                strength = min(ratio * ratio, 1e12);
-            }
-            if light.axis.w != 0.0 {
-                strength *= smoothstep(light.cone.y, light.cone.x, dot(light.axis.xyz, -to_light));
-            }
-        }
-        let facing = max(dot(normal, to_light), 0.0);
-        if facing == 0.0 {
-            continue;
-        }
-        let radiance = light.radiance.rgb * strength;
-        diffuse += radiance * (facing * frame.material.y);
-        if light.radiance.w != 0.0 && frame.material.z > 0.0 {
-            let tilt = clamp(dot(normal, normalized(to_light + to_eye)), 0.0, 1.0);
-            if tilt > 0.0 {
-                specular += radiance * (pow(tilt, frame.material.w) * frame.material.z);
-            }
-        }
-    }
+fn in_light(sample: Lit, rgba: vec4<f32>) -> vec4<f32> {
+    let unlit = vec3<f32>(frame.material.x);
+#ifdef SCATTERED
+    // `C = E ((1 - S) P + S f)` (K-10, K-11).
+    var share = sample.matter.surface;
 #ifdef WEIGHTED
-    let t = clamp((surface.magnitude - frame.limits.x) * frame.limits.y, 0.0, 1.0);
+    share = gradient_share(sample.surface.magnitude);
+#endif
+    let color = mix(sample.scattered, sample.diffuse, share) + unlit;
+    return vec4<f32>(rgba.rgb * color + sample.specular * share * rgba.a, rgba.a);
+#else
+    var color = unlit + sample.diffuse;
+    var specular = sample.specular;
+#ifdef WEIGHTED
+    let t = clamp((sample.surface.magnitude - frame.limits.x) * frame.limits.y, 0.0, 1.0);
     let weight = t * t * (3.0 - 2.0 * t);
-    diffuse = mix(vec3<f32>(1.0), diffuse, weight);
+    color = mix(vec3<f32>(1.0), color, weight);
     specular *= weight;
 #endif
-    return vec4<f32>(rgba.rgb * diffuse + specular * rgba.a, rgba.a);
+    return vec4<f32>(rgba.rgb * color + specular * rgba.a, rgba.a);
+#endif
+}
+
+// An associated sample in the light of all sources.
+fn lit(rgba: vec4<f32>, value: f32, p: vec3<f32>, gradient: vec3<f32>, to_eye: vec3<f32>) -> vec4<f32> {
+    var sample = in_the_dark(value, gradient, to_eye);
+    for (var i = 0u; i < frame.counts.x; i += 1u) {
+        add_light(&sample, lights[i], p, 1.0);
+    }
+    return in_light(sample, rgba);
 }

@@ -24,12 +24,13 @@ macro_rules! source {
 }
 
 /// What passes import; each only from those above it.
-const SHARED: [Source; 14] = [
+const SHARED: [Source; 19] = [
     source!("frame"),
     source!("ray"),
     source!("kernel"),
     source!("field"),
     source!("table"),
+    source!("scatter"),
     source!("light"),
     source!("march"),
     source!("skip"),
@@ -39,6 +40,10 @@ const SHARED: [Source; 14] = [
     source!("slices"),
     source!("polygon"),
     source!("pixel"),
+    source!("sweep"),
+    source!("slab"),
+    source!("eye"),
+    source!("presence"),
 ];
 
 /// What a pass makes of the volume.
@@ -78,6 +83,14 @@ pub enum Pass {
     SliceTiles,
     /// Boxes that slices hide.
     SliceOcclusion,
+    /// Light on its way through a slab of half-angle slicing.
+    HalfAngleLight,
+    /// Where a slab holds something.
+    HalfAnglePresence,
+    /// What the eye sees of slabs.
+    HalfAngleEye,
+    /// What a light brought to pixels, and their surface.
+    HalfAngleSurface,
 }
 
 /// How a pass gets at the samples.
@@ -93,7 +106,7 @@ pub enum Traversal {
 
 impl Pass {
     /// All passes.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 21] = [
         Self::Composite,
         Self::CompositePre,
         Self::PreIntegrated,
@@ -111,6 +124,10 @@ impl Pass {
         Self::SliceDone,
         Self::SliceTiles,
         Self::SliceOcclusion,
+        Self::HalfAngleLight,
+        Self::HalfAnglePresence,
+        Self::HalfAngleEye,
+        Self::HalfAngleSurface,
     ];
 
     /// Whether it makes something of samples along rays, which slices can do as well.
@@ -118,6 +135,17 @@ impl Pass {
         use Pass::*;
         let sampling = [Composite, CompositePre, PreIntegrated, Maximum, Minimum, Average, Additive, XRay, Isosurface];
         sampling.contains(&self)
+    }
+
+    /// Whether it follows rays through slabs.
+    pub(crate) fn sweeps(self) -> bool {
+        use Pass::*;
+        matches!(self, HalfAngleLight | HalfAnglePresence | HalfAngleEye | HalfAngleSurface)
+    }
+
+    /// Whether it looks at the volume.
+    pub(crate) fn reads(self) -> bool {
+        self.samples() || self.sweeps() || self == Self::Slice
     }
 
     /// The file with the entry point, and the mode it walks for.
@@ -141,6 +169,10 @@ impl Pass {
             Self::SliceDone => (source!("slice_done"), None),
             Self::SliceTiles => (source!("slice_tiles"), None),
             Self::SliceOcclusion => (source!("slice_occlusion"), None),
+            Self::HalfAngleLight => (source!("half_angle_light"), None),
+            Self::HalfAnglePresence => (source!("half_angle_presence"), None),
+            Self::HalfAngleEye => (source!("half_angle_eye"), None),
+            Self::HalfAngleSurface => (source!("half_angle_surface"), None),
         }
     }
 
@@ -196,6 +228,16 @@ pub struct Variant {
     pub stack: bool,
     /// Colours are interpolated without their opacity.
     pub bleeding: bool,
+    /// Samples scatter light.
+    pub scattered: bool,
+    /// There is indirect light.
+    pub indirect: bool,
+    /// It is attenuated in its own way.
+    pub transport: bool,
+    /// Direct light becomes indirect light.
+    pub scatters_direct: bool,
+    /// It does so, or all light comes, from matter alone.
+    pub gated: bool,
 }
 
 impl Variant {
@@ -217,6 +259,11 @@ impl Variant {
             strides: off,
             stack: off,
             bleeding: off,
+            scattered: off,
+            indirect: off,
+            transport: off,
+            scatters_direct: off,
+            gated: off,
         }
     }
 
@@ -224,7 +271,7 @@ impl Variant {
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for (pass, traversal) in Pass::ALL.into_iter().flat_map(|pass| Traversal::ALL.map(|how| (pass, how))) {
-            for bits in 0..1 << 12 {
+            for bits in 0..1 << 17 {
                 let on = |bit: u32| bits >> bit & 1 == 1;
                 let variant = Self {
                     pass,
@@ -241,6 +288,11 @@ impl Variant {
                     strides: on(9),
                     stack: on(10),
                     bleeding: on(11),
+                    scattered: on(12),
+                    indirect: on(13),
+                    transport: on(14),
+                    scatters_direct: on(15),
+                    gated: on(16),
                 };
                 if variant == variant.canonical() {
                     all.push(variant);
@@ -262,14 +314,15 @@ impl Variant {
             // Their slices are blended as colours.
             self.pass = Composite;
         }
-        let lights = matches!(self.pass, Composite | CompositePre | PreIntegrated | Isosurface);
+        let clouds = matches!(self.pass, Composite | CompositePre | PreIntegrated | HalfAngleEye);
+        let lights = clouds || self.pass == Isosurface;
         let projects = matches!(self.pass, Maximum | Minimum | Average | Slice);
-        let reads = (self.pass.samples() || self.pass == Slice) && !pixels;
+        let reads = self.pass.reads() && !pixels;
         // Voxels without value cannot be left to a sampler, and classified voxels are not sampled
         // (but their gradients would be).
         self.hardware &= !self.holes && reads;
         self.holes &= reads;
-        self.bricks &= reads;
+        self.bricks &= reads && !self.pass.sweeps();
         // Slices leap by what is not drawn.
         self.skip &= reads && !slices && !matches!(self.pass, Average | Slice);
         self.shaded &= lights && reads;
@@ -277,17 +330,33 @@ impl Variant {
         // Values of slices are classified once they are blended.
         self.opaque &= projects && !slices;
         // Bricks are passes already.
-        self.wavefront &= !self.bricks && reads && !slices;
+        self.wavefront &= !self.bricks && reads && !slices && !self.pass.sweeps();
         self.kernels &= reads;
         self.strides &= self.skip && self.pass == Composite;
         self.stack &= slices && !self.bricks && !self.kernels;
         self.bleeding &= slices && self.pass == CompositePre;
+        // What the eye sees of slabs is always a cloud.
+        self.scattered = (self.scattered && clouds && reads) || self.pass == HalfAngleEye;
+        self.indirect &= matches!(self.pass, HalfAngleLight | HalfAngleEye);
+        self.transport &= self.indirect;
+        self.scatters_direct &= self.indirect && self.pass == HalfAngleLight;
+        self.gated &= self.scatters_direct;
         self
     }
 
     /// Whether classified voxels have a texture beside that of the field.
     pub fn has_voxels(&self) -> bool {
         self.kernels && self.pass == Pass::CompositePre
+    }
+
+    /// Whether samples are lit in any way.
+    fn lights(&self) -> bool {
+        self.shaded || self.scattered
+    }
+
+    /// Whether it reads how samples scatter.
+    pub fn has_scattering(&self) -> bool {
+        self.scattered || self.transport
     }
 
     /// The names that are defined for the preprocessor.
@@ -304,6 +373,12 @@ impl Variant {
             ("KERNELS", self.kernels),
             ("STRIDES", self.strides),
             ("NORMALS", matches!(self.pass, Pass::Composite | Pass::CompositePre | Pass::PreIntegrated)),
+            ("LIT", self.lights()),
+            ("SCATTERED", self.scattered),
+            ("INDIRECT", self.indirect),
+            ("TRANSPORT", self.transport),
+            ("SCATTERS_DIRECT", self.scatters_direct),
+            ("GATED", self.gated),
             ("EXTREMES", self.pass.compares_extremes()),
             ("MINIMUM", self.pass == Pass::Minimum),
             ("PRECLASSIFIED", self.pass == Pass::CompositePre),

@@ -58,7 +58,10 @@ fn visit_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> boo
         return false;
     }
     (*state).counts.y += 1u;
-    return add_sample(state, ray, (segment.distance.x + segment.distance.y) * 0.5, rgba);
+    let front = select(segment.value.y, segment.value.x, is_present(segment.value.x));
+    let back = select(segment.value.x, segment.value.y, is_present(segment.value.y));
+    let middle = (segment.distance.x + segment.distance.y) * 0.5;
+    return add_sample(state, ray, middle, (front + back) * 0.5, rgba);
 }
 
 fn meet_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool {

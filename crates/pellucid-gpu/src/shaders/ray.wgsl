@@ -52,6 +52,29 @@ fn nonzeros(v: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(nonzero(v.x), nonzero(v.y), nonzero(v.z));
 }
 
+// Where a line is in the grid's box and kept by the clips, between two distances; they are in no order if it is
+// nowhere.
+fn span_of(origin: vec3<f32>, direction: vec3<f32>, from_t: f32, to_t: f32) -> vec2<f32> {
+    let inverse = 1.0 / nonzeros(direction);
+    let one = (frame.low.xyz - origin) * inverse;
+    let other = (frame.high.xyz - origin) * inverse;
+    let near = min(one, other);
+    let far = max(one, other);
+    var t0 = max(max(from_t, near.x), max(near.y, near.z));
+    var t1 = min(min(to_t, far.x), min(far.y, far.z));
+    for (var i = 0u; i < frame.counts.y; i += 1u) {
+        let plane = planes[i];
+        let slope = dot(plane.xyz, direction);
+        let crossing = (plane.w - dot(plane.xyz, origin)) / nonzero(slope);
+        if slope >= 0.0 {
+            t0 = max(t0, crossing);
+        } else {
+            t1 = min(t1, crossing);
+        }
+    }
+    return vec2<f32>(t0, t1);
+}
+
 // The ray with number `sub` of a pixel.
 fn ray_of(pixel: vec2<u32>, sub: u32) -> Ray {
     let n = frame.size.z;
@@ -68,25 +91,9 @@ fn ray_of(pixel: vec2<u32>, sub: u32) -> Ray {
     let world = (frame.world_middle.xyz + frame.world_right.xyz * a + frame.world_up.xyz * b) * unit;
 
     let to_base = frame.origin_middle.w / unit;
-    var t0 = -to_base;
-    var t1 = FAR;
-    let inverse = 1.0 / nonzeros(direction);
-    let one = (frame.low.xyz - origin) * inverse;
-    let other = (frame.high.xyz - origin) * inverse;
-    let near = min(one, other);
-    let far = max(one, other);
-    t0 = max(max(t0, near.x), max(near.y, near.z));
-    t1 = min(min(t1, far.x), min(far.y, far.z));
-    for (var i = 0u; i < frame.counts.y; i += 1u) {
-        let plane = planes[i];
-        let slope = dot(plane.xyz, direction);
-        let crossing = (plane.w - dot(plane.xyz, origin)) / nonzero(slope);
-        if slope >= 0.0 {
-            t0 = max(t0, crossing);
-        } else {
-            t1 = min(t1, crossing);
-        }
-    }
+    let span = span_of(origin, direction, -to_base, FAR);
+    let t0 = span.x;
+    let t1 = span.y;
 
     var ray: Ray;
     ray.origin = origin + direction * t0;

@@ -20,6 +20,13 @@ fn block_at(p: vec3<f32>) -> vec3<i32> {
     return min(cell / i32(frame.blocks.w), last);
 }
 
+#ifndef EXTREMES
+// Whether the block of a position contributes nothing.
+fn is_empty(p: vec3<f32>) -> bool {
+    return textureLoad(blocks, block_at(p), 0).x != 0u;
+}
+#endif
+
 // Steps from a position to the surface of the cube around its block that reaches `reach` blocks to
 // every side, its own included: a little short of it, so that rounding leaps over no sample beyond.
 fn leave(ray: Ray, p: vec3<f32>, block: vec3<i32>, reach: f32) -> f32 {

@@ -8,12 +8,23 @@
 #import pellucid::light::{lit, normal_of}
 #import pellucid::table::over
 
-// Adds a sample behind what is there. Returns whether the ray is done.
-fn add_sample(state: ptr<function, State>, ray: Ray, distance: f32, sample: vec4<f32>) -> bool {
+#ifdef LIT
+// The gradient, where samples may be surfaces.
+fn gradient_of_surface(p: vec3<f32>) -> vec3<f32> {
+#ifdef SHADED
+    return field_gradient(p);
+#else
+    return vec3<f32>(0.0);
+#endif
+}
+#endif
+
+// Adds a sample of a value behind what is there. Returns whether the ray is done.
+fn add_sample(state: ptr<function, State>, ray: Ray, distance: f32, value: f32, sample: vec4<f32>) -> bool {
     let p = ray_at(ray, distance);
     var rgba = sample;
-#ifdef SHADED
-    rgba = lit(rgba, p, field_gradient(p), ray.to_eye);
+#ifdef LIT
+    rgba = lit(rgba, value, p, gradient_of_surface(p), ray.to_eye);
 #endif
     (*state).color = over((*state).color, rgba);
     if (*state).color.a >= 0.5 && (*state).surface.w == NOWHERE {

@@ -61,7 +61,7 @@ pub fn demands(stage: &Stage, volume: &StageVolume, optics: &Optics, slicing: &S
     let filtered = Bindings::needs_kernels(stage, optics);
     let layout = lattice.axis.filter(|_| !filtered).map_or(Layout::Solid, Layout::Stack);
     let border = bricks::border(stage, grid, lattice.longest.min(MOST_STRIDE));
-    Demands { layout, border, pixel_bytes: Canvas::PIXEL_BYTES }
+    Demands { layout, border, pixel_bytes: Canvas::PIXEL_BYTES, frame_bytes: 0 }
 }
 
 /// Everything on the device that one frame is drawn with.
@@ -251,7 +251,7 @@ impl<'a> Slicer<'a> {
         pace: &mut Pace,
         control: &Control,
     ) -> Result<Option<f64>, GpuError> {
-        let table = self.bindings.table_group(&self.slices.groups[2]);
+        let table = self.bindings.table_group(&self.slices.groups[2], &self.bindings.variant);
         let between = self.between_looks();
         let mut until_look = between;
         let mut busy = Some(0.0);
@@ -385,7 +385,7 @@ impl<'a> Slicer<'a> {
         ];
         let frame = self.bindings.frame_group(&self.pixels.groups[0], &layer.passes, &own);
         let nothing = self.bindings.empty_group(&self.pixels.groups[1]);
-        let table = self.bindings.table_group(&self.pixels.groups[2]);
+        let table = self.bindings.table_group(&self.pixels.groups[2], &self.pixels.variant);
         let size = [targets.width, layer.rows];
         dispatch(encoder, &self.pixels.pipeline, &[&frame, &nothing, &table], 0, size, None);
     }

@@ -1,0 +1,370 @@
+//! Half-angle slicing: light that travels through the volume while it is drawn (6.3), slab by slab as in the CPU
+//! backend. Light is a layer of texels in front of every slab of a *run*: shaders pass it from layer to layer,
+//! then the eye looks at the whole run. Runs follow each other without a stop, many in a submission.
+
+mod numbers;
+
+use std::ops::Range;
+use std::time::Instant;
+
+use bytemuck::bytes_of;
+use pellucid_optics::{Light, LightKind, Material, ResolvedLight};
+use pellucid_scene::half_angle::{Geometry, taps};
+use pellucid_scene::{Control, Frame as Picture, HalfAngle, InScatter, Stage, StageVolume};
+use wgpu::{
+    BindGroup, BindingResource, Buffer, BufferDescriptor, BufferUsages, CommandEncoder, CommandEncoderDescriptor,
+    ComputePassTimestampWrites,
+};
+
+use crate::bindings::Bindings;
+use crate::dispatch::dispatch;
+use crate::optics::Optics;
+use crate::pace::Pace;
+use crate::passes::PassBuffer;
+use crate::pipelines::{Pipeline, Pipelines};
+use crate::renderer::Drawing;
+use crate::resident::Resident;
+use crate::reused::Reused;
+use crate::shaders::{Pass, Variant};
+use crate::targets::Targets;
+use crate::timer::Timer;
+use crate::uniforms;
+use crate::uploads::Uploads;
+use crate::window::Window;
+use crate::{Device, GpuError};
+
+pub use numbers::Sweep;
+
+/// Most slabs that the eye looks at together, and texels of all their layers.
+const MOST_RUN: usize = 16;
+const MOST_TEXELS: usize = 1 << 24;
+/// Bytes of a texel in a layer of light.
+const TEXEL_BYTES: u64 = 16;
+
+/// Everything on the device that one frame is drawn with.
+pub struct HalfAngleSlicer<'a> {
+    device: &'a Device,
+    resident: &'a mut Resident,
+    stage: &'a Stage,
+    bindings: Bindings<'a>,
+    lights: Vec<Travelling>,
+    settings: &'a HalfAngle,
+    light: Pipeline,
+    presence: Option<Pipeline>,
+    eye: Pipeline,
+    surface: Pipeline,
+    resolve: Pipeline,
+}
+
+/// A light on its way.
+struct Travelling {
+    geometry: Geometry,
+    numbers: Buffer,
+    /// Slabs that the eye looks at together.
+    run: u32,
+}
+
+/// What a pipeline is bound to but for the volume.
+struct Bound<'a> {
+    pipeline: &'a Pipeline,
+    frame: BindGroup,
+    table: BindGroup,
+}
+
+impl Bound<'_> {
+    fn dispatch(
+        &self,
+        encoder: &mut CommandEncoder,
+        volume: &BindGroup,
+        offset: u32,
+        size: [u32; 2],
+        writes: Option<ComputePassTimestampWrites>,
+    ) {
+        dispatch(encoder, &self.pipeline.pipeline, &[&self.frame, volume, &self.table], offset, size, writes);
+    }
+}
+
+impl Travelling {
+    fn texels(&self) -> u64 {
+        self.geometry.frame.size.iter().map(|&n| n as u64).product()
+    }
+
+    fn bytes(&self) -> u64 {
+        layers(self.run) * self.texels() * TEXEL_BYTES
+    }
+
+    fn slabs(&self) -> u32 {
+        self.geometry.slabs.count as u32
+    }
+
+    fn runs(&self) -> u32 {
+        self.slabs().div_ceil(self.run)
+    }
+
+    fn slabs_of(&self, run: u32) -> Range<u32> {
+        run * self.run..self.slabs().min((run + 1) * self.run)
+    }
+}
+
+/// The most bytes that the light of a stage may take: known before the lights are looked at.
+pub fn bytes(settings: &HalfAngle) -> u64 {
+    let texels = (settings.resolution as usize + 2).pow(2);
+    layers(run_length(texels)) * texels as u64 * TEXEL_BYTES
+}
+
+/// Slabs in a run for pictures of so many texels; no picture depends on it.
+fn run_length(texels: usize) -> u32 {
+    (MOST_TEXELS / texels.max(1)).clamp(1, MOST_RUN) as u32
+}
+
+/// Layers of texels for a run: light in front of every slab, behind the last, and where a slab holds something.
+fn layers(run: u32) -> u64 {
+    u64::from(run) + 2
+}
+
+impl<'a> HalfAngleSlicer<'a> {
+    /// Makes pipelines and what changes with camera and light.
+    ///
+    /// # Errors
+    /// [`GpuError::Light`] if there is no such light, [`GpuError::LightInside`] if one stands in the volume, or
+    /// what the device reports.
+    pub fn new(
+        device: &'a Device,
+        pipelines: &mut Pipelines,
+        resident: &'a mut Resident,
+        (stage, volume, settings): (&'a Stage, &'a StageVolume, &'a HalfAngle),
+        (optics, uploads): (&Optics, &'a Uploads),
+        drawing: Drawing,
+    ) -> Result<Self, GpuError> {
+        let found = lights(stage, settings)?;
+        let share = 1.0 / found.len() as f32;
+        let alter = |frame: &mut uniforms::Frame| {
+            let material = volume.material.unwrap_or(Material { emission: 0.0, ..Material::default() });
+            let ambient = if settings.ambient { stage.ambient } else { 0.0 };
+            let unlit = (material.emission + material.ambient * ambient) * share;
+            frame.material = [unlit, material.diffuse, material.specular, material.shininess];
+            frame.counts[3] = u32::from(material.two_sided);
+        };
+        let bindings =
+            Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter);
+        let variant = |pass| {
+            let is_indirect = settings.indirect > 0.0;
+            let (scatters_direct, gated) = match settings.in_scatter {
+                InScatter::Indirect => (false, false),
+                InScatter::Direct => (true, false),
+                InScatter::DirectFromMatter | InScatter::BothFromMatter => (true, true),
+            };
+            Variant {
+                pass,
+                skip: optics.blocks.is_some(),
+                indirect: is_indirect,
+                transport: optics.tables.light.transport.is_some(),
+                scatters_direct,
+                gated,
+                ..bindings.variant
+            }
+        };
+        let light = pipelines.get(device, variant(Pass::HalfAngleLight))?.clone();
+        let presence = light.variant.gated.then(|| pipelines.get(device, variant(Pass::HalfAnglePresence)).cloned());
+        let grid = volume.volume.grid();
+        let travelling = |(number, light): &(usize, ResolvedLight)| {
+            let geometry =
+                Geometry::new(stage, grid, settings, light).ok_or(GpuError::LightInside { light: *number })?;
+            let numbers = Sweep::new((stage, volume), settings, &geometry, [*number, found.len()]);
+            let run = run_length(geometry.frame.size.iter().product()).min(geometry.slabs.count as u32);
+            Ok(Travelling { numbers: device.constant_buffer("sweep", bytes_of(&numbers)), geometry, run })
+        };
+        Ok(Self {
+            lights: found.iter().map(travelling).collect::<Result<_, GpuError>>()?,
+            presence: presence.transpose()?,
+            eye: pipelines.get(device, variant(Pass::HalfAngleEye))?.clone(),
+            surface: pipelines.get(device, variant(Pass::HalfAngleSurface))?.clone(),
+            resolve: pipelines.get(device, Variant::of(Pass::Resolve))?.clone(),
+            device,
+            resident,
+            stage,
+            bindings,
+            settings,
+            light,
+        })
+    }
+
+    /// Draws all bands into a picture of the stage's size.
+    ///
+    /// # Errors
+    /// [`GpuError::Cancelled`], or what the device reports.
+    pub fn draw(&mut self, reused: &mut Reused, control: &Control, picture: &mut Picture) -> Result<(), GpuError> {
+        let Window { low: [column, first], size: [width, height] } = self.bindings.window;
+        let subs = self.stage.quality.supersampling.pow(2);
+        let timer = reused.timer.as_ref();
+        let mut busy = timer.map(|_| 0.0);
+        let size = self.lights.iter().map(Travelling::bytes).max().unwrap_or(0);
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+        let descriptor = BufferDescriptor { label: Some("light"), size, usage, mapped_at_creation: false };
+        let lost = self.device.device.create_buffer(&descriptor);
+        let (mut row, end) = (first, if width == 0 { first } else { first + height });
+        while row < end {
+            let rows = self.resident.plan.rows.min(end - row);
+            // The old ones go first.
+            let room = picture.width as u64 * u64::from(rows);
+            reused.targets.take_if(|targets| !targets.fits(room));
+            let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, room));
+            targets.width = width;
+            for sub in 0..subs {
+                for light in 0..self.lights.len() {
+                    let place = [row, rows, sub];
+                    let seconds = self.sweep(targets, &lost, timer, &mut reused.slices, (light, place), control)?;
+                    busy = busy.zip(seconds).map(|(busy, seconds)| busy + seconds);
+                    let done = (sub as usize * self.lights.len() + light + 1) as f64;
+                    let all = f64::from(subs) * self.lights.len() as f64;
+                    control.report((f64::from(row - first) + f64::from(rows) * done / all) / f64::from(height));
+                }
+                self.resolve(targets, [row, rows, sub], sub + 1 == subs);
+            }
+            targets.read(self.device, [column, row], rows, picture)?;
+            row += rows;
+        }
+        picture.statistics.device_seconds = busy;
+        Ok(())
+    }
+
+    /// Lets a light pass all slabs and the eye look at them. Returns the seconds that the device worked, if it
+    /// tells.
+    fn sweep(
+        &mut self,
+        targets: &Targets,
+        lost: &Buffer,
+        timer: Option<&Timer>,
+        pace: &mut Pace,
+        (number, [row, rows, sub]): (usize, [u32; 3]),
+        control: &Control,
+    ) -> Result<Option<f64>, GpuError> {
+        let light = &self.lights[number];
+        let (slabs, runs) = (light.slabs(), light.runs());
+        let passes = PassBuffer::new(
+            self.device,
+            (0..slabs)
+                .map(|slab| self.light_pass(light, slab))
+                .chain((0..runs).map(|run| eye_pass(light, run, [row, rows, sub], number == 0)))
+                .chain([uniforms::Pass { rows: [row, rows, sub, 0], ..uniforms::Pass::default() }]),
+        );
+        let brick = self.resident.bricks[0];
+        let textures = self.resident.textures(self.device, &brick, control)?;
+        let light = &self.lights[number];
+        let volume = self.bindings.volume_group(&self.light.groups[1], &textures);
+        let travels = [(17, light.numbers.as_entire_binding()), (18, lost.as_entire_binding())];
+        let sees = [(5, targets.states.as_entire_binding()), travels[0].clone(), travels[1].clone()];
+        let advance = self.bound(&self.light, &passes, &travels);
+        let presence = self.presence.as_ref().map(|presence| self.bound(presence, &passes, &travels));
+        let [eye, surface] = [&self.eye, &self.surface].map(|pipeline| self.bound(pipeline, &passes, &sees));
+        let texels = light.geometry.frame.size.map(|n| n as u32);
+        let pixels = [targets.width, rows];
+        let layer = light.texels() * TEXEL_BYTES;
+        let mut busy = Some(0.0);
+        let mut next = 0;
+        // Uploads are not what is measured.
+        self.device.wait()?;
+        while next < runs {
+            if control.is_cancelled() {
+                return Err(GpuError::Cancelled);
+            }
+            let some = next..next + pace.amount(runs - next);
+            next = some.end;
+            let started = Instant::now();
+            let mut encoder =
+                self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("half-angle") });
+            if some.start == 0 {
+                encoder.clear_buffer(lost, 0, Some(layer));
+            }
+            let writes = |first, last| timer.and_then(|timer| timer.writes(0, first, last));
+            for run in some.clone() {
+                let here = light.slabs_of(run);
+                for slab in here.clone() {
+                    let offset = passes.offset(slab as usize);
+                    if let Some(presence) = &presence {
+                        presence.dispatch(&mut encoder, &volume, offset, texels, None);
+                    }
+                    let begins = writes(run == some.start && slab == here.start, false);
+                    advance.dispatch(&mut encoder, &volume, offset, texels, begins);
+                }
+                let ends = writes(false, run + 1 == some.end);
+                eye.dispatch(&mut encoder, &volume, passes.offset((slabs + run) as usize), pixels, ends);
+            }
+            if next == runs {
+                surface.dispatch(&mut encoder, &volume, passes.offset((slabs + runs) as usize), pixels, None);
+            }
+            if let Some(timer) = timer {
+                timer.copy(&mut encoder, 1);
+            }
+            self.device.queue.submit([encoder.finish()]);
+            self.device.wait()?;
+            pace.learn(started.elapsed());
+            busy = busy.zip(timer.and_then(|timer| timer.seconds(1))).map(|(busy, seconds)| busy + seconds);
+        }
+        Ok(busy)
+    }
+
+    /// Light passes a slab: from its layer in the run to the next.
+    fn light_pass(&self, light: &Travelling, slab: u32) -> uniforms::Pass {
+        // In turns through one layer more than there are slabs in a run: all in front of them and behind the last.
+        let layers = light.run + 1;
+        let [turn, radius] = taps::pattern(self.settings, slab as usize).map(|number| (number as f32).to_bits());
+        uniforms::Pass {
+            rows: [slab, slab % layers, (slab + 1) % layers, layers],
+            texture_low: [turn, radius, 0, 0],
+            ..uniforms::Pass::default()
+        }
+    }
+
+    fn bound<'p>(&self, pipeline: &'p Pipeline, passes: &PassBuffer, own: &[(u32, BindingResource)]) -> Bound<'p> {
+        Bound {
+            frame: self.bindings.frame_group(&pipeline.groups[0], passes, own),
+            table: self.bindings.table_group(&pipeline.groups[2], &pipeline.variant),
+            pipeline,
+        }
+    }
+
+    /// Adds rays to their pixels.
+    fn resolve(&self, targets: &Targets, [row, rows, sub]: [u32; 3], is_last: bool) {
+        let pass = uniforms::Pass { rows: [row, rows, sub, 0], ..uniforms::Pass::default() };
+        let passes = PassBuffer::new(self.device, [pass]);
+        let own = [(5, targets.states.as_entire_binding()), (7, targets.pixels.as_entire_binding())];
+        let group = self.bindings.frame_group(&self.resolve.groups[0], &passes, &own);
+        let mut encoder =
+            self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("half-angle") });
+        dispatch(&mut encoder, &self.resolve.pipeline, &[&group], 0, [targets.width, rows], None);
+        if is_last {
+            targets.copy(&mut encoder, rows);
+        }
+        self.device.queue.submit([encoder.finish()]);
+    }
+}
+
+/// The eye looks at a run.
+fn eye_pass(light: &Travelling, run: u32, [row, rows, sub]: [u32; 3], is_first: bool) -> uniforms::Pass {
+    let Range { start, end } = light.slabs_of(run);
+    uniforms::Pass {
+        rows: [row, rows, sub, 0],
+        texture_low: [0, 0, 0, u32::from(is_first && run == 0)],
+        core_low: [start, end, light.run + 1, 0],
+        ..uniforms::Pass::default()
+    }
+}
+
+/// The lights that shine, with their numbers: a black one along the view where there is none (K-16), as a buffer of
+/// no lights is for shaders.
+fn lights(stage: &Stage, settings: &HalfAngle) -> Result<Vec<(usize, ResolvedLight)>, GpuError> {
+    match settings.light {
+        None if stage.lights.is_empty() => {
+            let direction = stage.viewpoint.forward.to_array();
+            let dark = Light { intensity: 0.0, ..Light::new(LightKind::Directional { direction }) };
+            Ok(vec![(0, dark.resolve(glam::DAffine3::IDENTITY).map_err(pellucid_scene::TableError::from)?)])
+        }
+        None => Ok(stage.lights.iter().copied().enumerate().collect()),
+        Some(light) => {
+            let found = stage.lights.get(light);
+            let found = found.ok_or(GpuError::Light { found: light, lights: stage.lights.len() })?;
+            Ok(vec![(light, *found)])
+        }
+    }
+}

@@ -1,0 +1,101 @@
+// How samples scatter the light of sources once (6.2, K-07): the tables of `scattering.rs`.
+#define_import_path pellucid::scatter
+
+struct Scattering {
+    // Where the entries of a table are: node = (value - x) * y; the first entry's place, and how many there are.
+    // Anisotropy and surfaces; transport colours; the phase function by its angle.
+    properties: vec4<f32>,
+    transport: vec4<f32>,
+    angles: vec4<f32>,
+    // Which formula the phase function has; 1 if its weights are relative to its peak; the anisotropy; 1 if that
+    // is the same everywhere.
+    phase: vec4<f32>,
+    // What is thrown back, over the forward lobe's peak, integrated over all directions.
+    back: vec4<f32>,
+    // Gradient magnitude where surfaces begin, one over the width of their rise.
+    surfaces: vec4<f32>,
+    entries: array<vec4<f32>>,
+}
+
+@group(2) @binding(1) var<storage, read> scattering: Scattering;
+
+const PI: f32 = 3.14159265;
+
+// The lobe of Henyey and Greenstein, that of Schlick, the former with what is thrown back; all others are tables.
+const HENYEY_GREENSTEIN: f32 = 1.0;
+const SCHLICK: f32 = 2.0;
+const HYBRID: f32 = 3.0;
+
+struct Scatterer {
+    // Anisotropy.
+    g: f32,
+    // The part that is a surface, but for what gradients make one.
+    surface: f32,
+}
+
+// A table at a position among its nodes.
+fn entry(table: vec4<f32>, position: f32) -> vec4<f32> {
+    let place = clamp(position, 0.0, table.w - 1.0);
+    let node = min(u32(place), u32(table.w) - 2u);
+    let first = u32(table.z) + node;
+    return mix(scattering.entries[first], scattering.entries[first + 1u], place - f32(node));
+}
+
+// What a sample of a value is.
+fn scatterer_of(value: f32) -> Scatterer {
+    let table = scattering.properties;
+    let found = entry(table, (value - table.x) * table.y);
+    return Scatterer(select(found.x, scattering.phase.z, scattering.phase.w != 0.0), found.y);
+}
+
+// The part of a sample that its gradient makes a surface.
+fn gradient_share(magnitude: f32) -> f32 {
+    let t = clamp((magnitude - scattering.surfaces.x) * scattering.surfaces.y, 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
+}
+
+// What gets through of indirect light over so many steps of a value (K-08).
+fn transported(value: f32, steps: f32) -> vec3<f32> {
+    let table = scattering.transport;
+    let one = entry(table, (value - table.x) * table.y).rgb;
+    return select(vec3<f32>(0.0), pow(one, vec3<f32>(steps)), one > vec3<f32>(0.0));
+}
+
+fn henyey_greenstein(g: f32, mu: f32) -> f32 {
+    let rest = 1.0 - abs(g);
+    let squared = rest * rest + 2.0 * (abs(g) - g * mu);
+    return (1.0 - g * g) / (4.0 * PI * squared * sqrt(squared));
+}
+
+fn schlick(g: f32, mu: f32) -> f32 {
+    let k = clamp(g * (1.55 - 0.55 * g * g), -0.998, 0.998);
+    let rest = 1.0 - k * mu;
+    return (1.0 - k * k) / (4.0 * PI * rest * rest);
+}
+
+// The factor of a light's radiance where its way turns by an angle of cosine `mu`: `Phase::weight`.
+fn phase_weight(g: f32, mu: f32) -> vec3<f32> {
+    let kind = scattering.phase.x;
+    let is_renormalised = scattering.phase.y != 0.0;
+    let forward = select(-1.0, 1.0, g >= 0.0);
+    if kind == SCHLICK {
+        let lobe = schlick(g, mu);
+        return vec3<f32>(select(lobe * PI, lobe / schlick(g, forward), is_renormalised));
+    }
+    var listed = vec3<f32>(0.0);
+    if kind != HENYEY_GREENSTEIN {
+        let table = scattering.angles;
+        listed = entry(table, acos(clamp(mu, -1.0, 1.0)) / PI * (table.w - 1.0)).rgb;
+    }
+    if kind == 0.0 {
+        return listed;
+    }
+    let lobe = henyey_greenstein(g, mu);
+    let peak = henyey_greenstein(g, forward);
+    if is_renormalised {
+        return vec3<f32>(lobe / peak) + listed;
+    }
+    // What is thrown back is listed over the peak: 0 but for hybrids.
+    let share = 1.0 / (1.0 + scattering.back.rgb * peak);
+    return share * PI * (lobe + peak * listed);
+}
