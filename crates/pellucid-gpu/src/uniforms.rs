@@ -292,7 +292,7 @@ mod tests {
         assert_eq!(layout(&pixels.link(Constants::Uniform).unwrap(), "Pixel"), fields!(Pixel: color surface counts));
         let sweep = fields!(Sweep: slabs texel_x texel_y depth origin_middle origin_right origin_up direction_middle
             direction_right direction_up plane ways blur scales cone size counts);
-        let eye = Variant::of(shaders::Pass::HalfAngleEye).link(Constants::Uniform).unwrap();
+        let eye = Variant::of(shaders::Pass::HalfAngleEye).canonical().link(Constants::Uniform).unwrap();
         assert_eq!(layout(&eye, "Sweep"), sweep);
         assert_eq!(layout(&resolve, "Pixel"), fields!(Pixel: color surface counts));
         assert_eq!(layout(&resolve, "State").1 as u64, STATE_BYTES);
