@@ -237,3 +237,28 @@ fn a_volume_in_bricks_is_refused_with_advice() {
     let refused = gpu(&common::side(16)).render(&stage, &Control::default()).unwrap_err();
     assert!(matches!(&refused, GpuError::Budget { advice, .. } if advice.contains("cpu")), "{refused}");
 }
+
+#[test]
+fn what_is_empty_changes_no_bit() {
+    let volume = sample("cloud", [40, 40, 28], VoxelType::U8);
+    let mut renderer = gpu(&Ceiling::default());
+    for light in
+        ["directional.direction = [0.8, -0.6, -0.5]", "point = { position = [-2, 1.5, 1], falloff = \"none\" }"]
+    {
+        for technique in ["indirect = 0.0", "taps = 6", "in_scatter = \"both_from_matter\""] {
+            let mut draw = |skipping: bool| {
+                let document = format!(
+                    "shading = false\n[volumes.transfer_function]\ncolors = [[0, \"#ffffff\"]]\n\
+                     opacities = [[0.3, 0], [1, 0.6]]\nunit_distance = 0.1\n\
+                     [[lighting.lights]]\nkind.{light}\n[technique.half_angle]\nresolution = 90\n{technique}\n\
+                     [quality]\nempty_space_skipping = {skipping}\n"
+                );
+                draw(&mut renderer, &stage(&volume, &document, [60, 60]))
+            };
+            let (with, without) = (draw(true), draw(false));
+            assert!(with.statistics.samples < without.statistics.samples, "{technique}");
+            assert!(with.color.iter().any(|color| color[3] > 0.5), "{technique} shows nothing");
+            assert!(with.color == without.color, "{technique} {light}: {}", difference(&with, &without));
+        }
+    }
+}

@@ -2,6 +2,7 @@
 //! backend. Light is a layer of texels in front of every slab of a *run*: shaders pass it from layer to layer,
 //! then the eye looks at the whole run. Runs follow each other without a stop, many in a submission.
 
+mod area;
 mod numbers;
 
 use std::ops::Range;
@@ -33,6 +34,7 @@ use crate::uploads::Uploads;
 use crate::window::Window;
 use crate::{Device, GpuError};
 
+use area::Areas;
 pub use numbers::Sweep;
 
 /// Most slabs that the eye looks at together, and texels of all their layers.
@@ -60,6 +62,8 @@ pub struct HalfAngleSlicer<'a> {
 struct Travelling {
     geometry: Geometry,
     numbers: Buffer,
+    /// Where it has something to do.
+    areas: Areas,
     /// Slabs that the eye looks at together.
     run: u32,
 }
@@ -93,16 +97,15 @@ impl Travelling {
         layers(self.run) * self.texels() * TEXEL_BYTES
     }
 
-    fn slabs(&self) -> u32 {
-        self.geometry.slabs.count as u32
-    }
-
+    /// Runs of slabs; one at least, so that rays begin.
     fn runs(&self) -> u32 {
-        self.slabs().div_ceil(self.run)
+        (self.areas.slabs.len() as u32).div_ceil(self.run).max(1)
     }
 
     fn slabs_of(&self, run: u32) -> Range<u32> {
-        run * self.run..self.slabs().min((run + 1) * self.run)
+        let Range { start, end } = self.areas.slabs;
+        let first = start + run * self.run;
+        first..end.min(first + self.run)
     }
 }
 
@@ -171,8 +174,17 @@ impl<'a> HalfAngleSlicer<'a> {
             let geometry =
                 Geometry::new(stage, grid, settings, light).ok_or(GpuError::LightInside { light: *number })?;
             let numbers = Sweep::new((stage, volume), settings, &geometry, [*number, found.len()]);
-            let run = run_length(geometry.frame.size.iter().product()).min(geometry.slabs.count as u32);
-            Ok(Travelling { numbers: device.constant_buffer("sweep", bytes_of(&numbers)), geometry, run })
+            // Where all light comes from matter, what is empty is dark.
+            let blocks = optics.blocks.filter(|_| settings.in_scatter != InScatter::BothFromMatter);
+            let is_blurred = settings.indirect > 0.0 && taps::count(settings) > 0;
+            let radius = taps::radius(settings, geometry.longest, grid.smallest_spacing());
+            let reach = if is_blurred { radius * geometry.frame.finest(grid) } else { 0.0 };
+            Ok(Travelling {
+                numbers: device.constant_buffer("sweep", bytes_of(&numbers)),
+                areas: Areas::new(&geometry, blocks, grid, reach),
+                run: run_length(geometry.frame.size.iter().product()).min(geometry.slabs.count as u32),
+                geometry,
+            })
         };
         Ok(Self {
             lights: found.iter().map(travelling).collect::<Result<_, GpuError>>()?,
@@ -240,10 +252,11 @@ impl<'a> HalfAngleSlicer<'a> {
         control: &Control,
     ) -> Result<Option<f64>, GpuError> {
         let light = &self.lights[number];
-        let (slabs, runs) = (light.slabs(), light.runs());
+        let (slabs, runs) = (light.areas.slabs.clone(), light.runs());
         let passes = PassBuffer::new(
             self.device,
-            (0..slabs)
+            slabs
+                .clone()
                 .map(|slab| self.light_pass(light, slab))
                 .chain((0..runs).map(|run| eye_pass(light, run, [row, rows, sub], number == 0)))
                 .chain([uniforms::Pass { rows: [row, rows, sub, 0], ..uniforms::Pass::default() }]),
@@ -257,9 +270,7 @@ impl<'a> HalfAngleSlicer<'a> {
         let advance = self.bound(&self.light, &passes, &travels);
         let presence = self.presence.as_ref().map(|presence| self.bound(presence, &passes, &travels));
         let [eye, surface] = [&self.eye, &self.surface].map(|pipeline| self.bound(pipeline, &passes, &sees));
-        let texels = light.geometry.frame.size.map(|n| n as u32);
         let pixels = [targets.width, rows];
-        let layer = light.texels() * TEXEL_BYTES;
         let mut busy = Some(0.0);
         let mut next = 0;
         // Uploads are not what is measured.
@@ -274,24 +285,32 @@ impl<'a> HalfAngleSlicer<'a> {
             let mut encoder =
                 self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("half-angle") });
             if some.start == 0 {
-                encoder.clear_buffer(lost, 0, Some(layer));
+                encoder.clear_buffer(lost, 0, Some(light.bytes()));
             }
             let writes = |first, last| timer.and_then(|timer| timer.writes(0, first, last));
             for run in some.clone() {
                 let here = light.slabs_of(run);
                 for slab in here.clone() {
-                    let offset = passes.offset(slab as usize);
+                    let offset = passes.offset((slab - slabs.start) as usize);
+                    let [from, to] = light.areas.of(slab);
+                    let texels = [to[0] - from[0], to[1] - from[1]];
                     if let Some(presence) = &presence {
-                        presence.dispatch(&mut encoder, &volume, offset, texels, None);
+                        presence.dispatch(
+                            &mut encoder,
+                            &volume,
+                            offset,
+                            light.geometry.frame.size.map(|n| n as u32),
+                            None,
+                        );
                     }
                     let begins = writes(run == some.start && slab == here.start, false);
                     advance.dispatch(&mut encoder, &volume, offset, texels, begins);
                 }
-                let ends = writes(false, run + 1 == some.end);
-                eye.dispatch(&mut encoder, &volume, passes.offset((slabs + run) as usize), pixels, ends);
+                let ends = writes(run == some.start && here.is_empty(), run + 1 == some.end);
+                eye.dispatch(&mut encoder, &volume, passes.offset(slabs.len() + run as usize), pixels, ends);
             }
             if next == runs {
-                surface.dispatch(&mut encoder, &volume, passes.offset((slabs + runs) as usize), pixels, None);
+                surface.dispatch(&mut encoder, &volume, passes.offset(slabs.len() + runs as usize), pixels, None);
             }
             if let Some(timer) = timer {
                 timer.copy(&mut encoder, 1);
@@ -308,10 +327,13 @@ impl<'a> HalfAngleSlicer<'a> {
     fn light_pass(&self, light: &Travelling, slab: u32) -> uniforms::Pass {
         // In turns through one layer more than there are slabs in a run: all in front of them and behind the last.
         let layers = light.run + 1;
+        let [from, to] = light.areas.of(slab);
         let [turn, radius] = taps::pattern(self.settings, slab as usize).map(|number| (number as f32).to_bits());
         uniforms::Pass {
             rows: [slab, slab % layers, (slab + 1) % layers, layers],
             texture_low: [turn, radius, 0, 0],
+            core_low: [from[0], from[1], 0, 0],
+            core_high: [to[0], to[1], 0, 0],
             ..uniforms::Pass::default()
         }
     }

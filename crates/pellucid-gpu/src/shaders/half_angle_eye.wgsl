@@ -4,10 +4,14 @@
 #import pellucid::march::{end_turn, turn_of}
 #import pellucid::light::{add_light, in_light, in_the_dark, incident, lights}
 #import pellucid::eye::eye_crossing
-#import pellucid::slab::matter_of
+#import pellucid::ray::nonzeros
+#import pellucid::slab::{matter_of, Matter}
+#ifdef SKIP
+#import pellucid::skip::clear_steps
+#endif
 #import pellucid::surface::gradient_of_surface
-#import pellucid::sweep::{in_picture, loss, on_plane, passage_of, sweep, Passage}
-#import pellucid::table::{opacity_over, over_length}
+#import pellucid::sweep::{in_picture, loss, on_plane, passage_of, sweep, Crossing, Passage}
+#import pellucid::table::{opacity_over, over, over_length}
 #ifdef TRANSPORT
 #import pellucid::scatter::transported
 #endif
@@ -24,59 +28,85 @@ fn steps_inside(passage: Passage, slab: f32) -> f32 {
     return part * distance / ((passage.place - sweep.ways.y) * sweep.ways.z);
 }
 
+// The first slab from one on whose sample may contribute, or the end.
+fn leap(crossing: Crossing, inverse: vec3<f32>, first: u32, end: u32) -> u32 {
+    var slab = first;
+#ifdef SKIP
+    while slab < end {
+        let passage = passage_of(crossing, f32(slab));
+        let clear = clear_steps(passage.position, inverse);
+        if clear == 0.0 {
+            break;
+        }
+        slab += u32(min(clear, 1e6));
+    }
+#endif
+    return min(slab, end);
+}
+
+// What is seen of the light that has come to a sample, and its opacity.
+fn seen(passage: Passage, matter: Matter, slab: u32, to_eye: vec3<f32>) -> vec4<f32> {
+    let p = passage.position;
+    let rgba = over_length(matter.color, passage.ratio);
+    let lost = loss(slab % bounds.core_low.z, in_picture(p).xy);
+    var direct = 1.0 - lost.a;
+    var indirect = vec3<f32>(sweep.scales.z) - lost.rgb;
+    if sweep.counts.y == 0u {
+        let inside = steps_inside(passage, f32(slab));
+        let through = 1.0 - opacity_over(matter.color.a, inside);
+        direct *= through;
+#ifdef TRANSPORT
+        indirect *= transported(matter.value, inside);
+#else
+        indirect *= through;
+#endif
+    }
+    let light = lights[sweep.size.w];
+    var sample = in_the_dark(matter.value, gradient_of_surface(p), to_eye);
+    add_light(&sample, light, p, direct * sweep.scales.x);
+    var color = in_light(sample, rgba);
+#ifdef INDIRECT
+    let factor = indirect * incident(light, p).radiance * sweep.scales.y;
+    color += vec4<f32>(rgba.rgb * factor, 0.0);
+#endif
+    return color;
+}
+
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    // How many slabs are looked at between two looks at the blocks.
+    const RUN: u32 = 4u;
     var turn = turn_of(id.xy);
     if !turn.open {
         return;
     }
     let eye = eye_crossing(turn.ray);
+    let inverse = 1.0 / nonzeros(eye.crossing.direction);
     // A new state has another use of it.
     var color = select(turn.state.place, vec4<f32>(0.0), bounds.texture_low.w != 0u);
-    let first = bounds.core_low.x;
-    let last = min(bounds.core_low.y, u32(max(ceil(eye.crossing.ends.y), 0.0)));
-    for (var slab = max(first, u32(max(eye.crossing.ends.x, 0.0))); slab < last; slab += 1u) {
-        if !eye.is_backward && color.a >= frame.limits.z {
-            break;
-        }
-        let passage = passage_of(eye.crossing, f32(slab));
-        if passage.ratio <= 0.0 {
-            continue;
-        }
-        turn.state.counts.x += 1u;
-        let matter = matter_of(passage);
-        if matter.color.a <= 0.0 {
-            continue;
-        }
-        turn.state.counts.y += 1u;
-        let p = passage.position;
-        let rgba = over_length(matter.color, passage.ratio);
-        let lost = loss(slab % bounds.core_low.z, in_picture(p).xy);
-        var direct = 1.0 - lost.a;
-        var indirect = vec3<f32>(sweep.scales.z) - lost.rgb;
-        if sweep.counts.y == 0u {
-            let inside = steps_inside(passage, f32(slab));
-            let through = 1.0 - opacity_over(matter.color.a, inside);
-            direct *= through;
-#ifdef TRANSPORT
-            indirect *= transported(matter.value, inside);
-#else
-            indirect *= through;
-#endif
-        }
-        let light = lights[sweep.size.w];
-        var sample = in_the_dark(matter.value, gradient_of_surface(p), turn.ray.to_eye);
-        add_light(&sample, light, p, direct * sweep.scales.x);
-        var seen = in_light(sample, rgba);
-#ifdef INDIRECT
-        let factor = indirect * incident(light, p).radiance * sweep.scales.y;
-        seen += vec4<f32>(rgba.rgb * factor, 0.0);
-#endif
-        // In front of what is there (over), or behind it (under).
-        if eye.is_backward {
-            color = seen + color * (1.0 - seen.a);
-        } else {
-            color += seen * (1.0 - color.a);
+    let end = min(bounds.core_low.y, u32(max(ceil(eye.crossing.ends.y), 0.0)));
+    var slab = max(bounds.core_low.x, u32(max(eye.crossing.ends.x, 0.0)));
+    while slab < end && (eye.is_backward || color.a < frame.limits.z) {
+        let next = leap(eye.crossing, inverse, slab, end);
+        turn.state.counts.z += next - slab;
+        slab = next;
+        for (var i = 0u; i < RUN && slab < end; i += 1u) {
+            let passage = passage_of(eye.crossing, f32(slab));
+            var is_open = passage.ratio > 0.0 && (eye.is_backward || color.a < frame.limits.z);
+            turn.state.counts.x += select(0u, 1u, is_open);
+            let matter = matter_of(passage);
+            is_open = is_open && matter.color.a > 0.0;
+            // As in `matter_of`.
+            while is_open {
+                turn.state.counts.y += 1u;
+                let found = seen(passage, matter, slab, turn.ray.to_eye);
+                // In front of what is there (over), or behind it (under).
+                let front = select(color, found, eye.is_backward);
+                let behind = select(found, color, eye.is_backward);
+                color = over(front, behind);
+                is_open = false;
+            }
+            slab += 1u;
         }
     }
     turn.state.place = color;

@@ -1,5 +1,6 @@
 // Light passes a slab (Eq. 6.6, 6.7, K-06, K-09): a texel loses what its ray crosses, and gathers what is scattered
-// into its cone. The pass: the slab, the layers of light in front of it and behind it; turn and radius of the taps.
+// into its cone. The pass: the slab, the layers of light in front of it and behind it; turn and radius of the taps;
+// from which texel on to which light is passed, as it is lost in there and matters to anything.
 #import pellucid::frame::bounds
 #import pellucid::sweep::{light_ray, lost, loss, loss_at, passage_of, in_picture, sweep}
 #import pellucid::slab::matter_of
@@ -20,13 +21,14 @@ fn tap(number: u32, middle: vec2<f32>, radius: vec2<f32>) -> vec2<f32> {
 }
 
 @compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= sweep.size.x || id.y >= sweep.size.y {
+fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
+    let id = invocation.xy + bounds.core_low.xy;
+    if any(id >= bounds.core_high.xy) {
         return;
     }
     let layer = bounds.rows.y;
-    let here = vec2<i32>(id.xy);
-    let ray = light_ray(id.xy);
+    let here = vec2<i32>(id);
+    let ray = light_ray(id);
     let passage = passage_of(ray, f32(bounds.rows.x));
     let matter = matter_of(passage);
     let alpha = opacity_over(matter.color.a, passage.ratio);
@@ -39,7 +41,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         opacity = 1.0 - transported(matter.value, passage.ratio);
     }
 #endif
-    var middle = vec2<f32>(id.xy) + 0.5;
+    var middle = vec2<f32>(id) + 0.5;
     var radius = sweep.blur.xy;
     if sweep.ways.w != 0.0 {
         // The way grows towards the picture's rim, and texels with the distance.

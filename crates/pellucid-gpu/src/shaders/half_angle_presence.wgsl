@@ -5,7 +5,7 @@
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= sweep.size.x || id.y >= sweep.size.y {
+    if any(id.xy >= sweep.size.xy) {
         return;
     }
     let matter = matter_of(passage_of(light_ray(id.xy), f32(bounds.rows.x)));

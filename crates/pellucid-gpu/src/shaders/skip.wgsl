@@ -20,21 +20,14 @@ fn block_at(p: vec3<f32>) -> vec3<i32> {
     return min(cell / i32(frame.blocks.w), last);
 }
 
-#ifndef EXTREMES
-// Whether the block of a position contributes nothing.
-fn is_empty(p: vec3<f32>) -> bool {
-    return textureLoad(blocks, block_at(p), 0).x != 0u;
-}
-#endif
-
 // Steps from a position to the surface of the cube around its block that reaches `reach` blocks to
 // every side, its own included: a little short of it, so that rounding leaps over no sample beyond.
-fn leave(ray: Ray, p: vec3<f32>, block: vec3<i32>, reach: f32) -> f32 {
+fn leave(inverse: vec3<f32>, p: vec3<f32>, block: vec3<i32>, reach: f32) -> f32 {
     const MARGIN: f32 = 2e-3;
     let size = f32(frame.blocks.w);
     let high = (vec3<f32>(block) + reach) * size - MARGIN;
     let low = (vec3<f32>(block) - reach + 1.0) * size + MARGIN;
-    let steps = (select(low, high, ray.inverse > vec3<f32>(0.0)) - p) * ray.inverse;
+    let steps = (select(low, high, inverse > vec3<f32>(0.0)) - p) * inverse;
     return min(min(steps.x, steps.y), steps.z);
 }
 
@@ -55,7 +48,7 @@ fn leap_samples(ray: Ray, from_k: f32, best: f32) -> f32 {
         if live {
             break;
         }
-        k += max(ceil(leave(ray, p, block, reach)), 1.0);
+        k += max(ceil(leave(ray.inverse, p, block, reach)), 1.0);
     }
     return k;
 }
@@ -79,12 +72,24 @@ fn leap_segments(ray: Ray, from_n: f32) -> f32 {
             break;
         }
         // To the last node inside the cube.
-        let far = ceil(leave(ray, p, block, f32(reach))) - 1.0;
+        let far = ceil(leave(ray.inverse, p, block, f32(reach))) - 1.0;
         if far <= 0.0 {
             break;
         }
         n += far;
     }
     return n;
+}
+
+// Whether the block of a position contributes nothing.
+fn is_empty(p: vec3<f32>) -> bool {
+    return textureLoad(blocks, block_at(p), 0).x != 0u;
+}
+
+// How many steps from a position on certainly contribute nothing, those that are taken there included.
+fn clear_steps(p: vec3<f32>, inverse: vec3<f32>) -> f32 {
+    let block = block_at(p);
+    let reach = textureLoad(blocks, block, 0).x;
+    return select(max(ceil(leave(inverse, p, block, f32(reach))), 1.0), 0.0, reach == 0u);
 }
 #endif

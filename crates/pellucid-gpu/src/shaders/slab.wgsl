@@ -16,14 +16,16 @@ struct Matter {
 }
 
 fn matter_of(passage: Passage) -> Matter {
-    if passage.ratio <= 0.0 {
-        return Matter(0.0, vec4<f32>(0.0));
-    }
+    var matter = Matter(0.0, vec4<f32>(0.0));
+    var is_asked = passage.ratio > 0.0;
 #ifdef SKIP
-    if is_empty(passage.position) {
-        return Matter(0.0, vec4<f32>(0.0));
-    }
+    is_asked = is_asked && !is_empty(passage.position);
 #endif
-    let value = field_value(passage.position);
-    return Matter(value, classify(value));
+    // A loop, because processors whose lanes share branches may jump over it where all of them are empty.
+    while is_asked {
+        matter.value = field_value(passage.position);
+        matter.color = classify(matter.value);
+        is_asked = false;
+    }
+    return matter;
 }
