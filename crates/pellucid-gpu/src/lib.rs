@@ -15,6 +15,7 @@ mod kernels;
 mod optics;
 mod pace;
 mod passes;
+mod path_trace;
 mod pipelines;
 mod plan;
 mod ray_cast;

@@ -1,8 +1,11 @@
 //! The tables and blocks of a stage: the same numbers that the CPU backend looks up.
 
-use pellucid_optics::{ColorSpace, Nodes, SurfaceShare, TransferFunction};
+use std::borrow::Cow;
+
+use pellucid_optics::{ColorSpace, Nodes, SurfaceShare, TransferFunction, path_extinction};
 use pellucid_scene::{
     BlockContent, BlockMap, Classification, ColorWeight, Combine, Isosurface, Mode, Slice, Stage, StageVolume, Tables,
+    Technique,
 };
 
 use crate::scattering;
@@ -18,7 +21,7 @@ pub struct Optics<'a> {
     /// What is read between voxels, and how.
     pub tables: &'a Tables,
     /// Linear RGB and opacity: per unit distance, per step or per segment, as the pass wants.
-    pub entries: &'a [[f32; 4]],
+    pub entries: Cow<'a, [[f32; 4]]>,
     /// Whether those are colours without their opacity.
     pub bleeds: bool,
     /// Where they are.
@@ -37,8 +40,12 @@ pub struct Optics<'a> {
 impl<'a> Optics<'a> {
     /// What a stage's pass wants of its tables.
     pub fn new(stage: &Stage, volume: &StageVolume, tables: &'a Tables) -> Self {
-        // Half-angle slices classify every sample by itself.
-        let (pass, opaque) = if stage.half_angle().is_some() { (Pass::Composite, false) } else { pass_of(stage) };
+        // Light on its way classifies every sample by itself.
+        let (pass, opaque) = match stage.technique {
+            Technique::HalfAngle(_) => (Pass::Composite, false),
+            Technique::PathTrace(_) => (Pass::PathTrace, false),
+            Technique::RayCast(_) | Technique::Slicing(_) => pass_of(stage),
+        };
         let bleeds = pass == Pass::CompositePre
             && stage.slicing().is_some_and(|slicing| slicing.colors == ColorWeight::NonAssociated);
         let steps = tables.scattered_steps();
@@ -60,10 +67,17 @@ impl<'a> Optics<'a> {
         let blocks = tables.blocks.as_ref().filter(|_| pass != Pass::Slice);
         let scattering = &volume.scattering;
         let (shaded, weighted) = match tables.light.scatter {
-            Some(_) => (scattering.has_surfaces(), matches!(scattering.surface, SurfaceShare::Gradient(_))),
+            // Paths meet surfaces of a material only; slices have one for all volumes.
+            Some(_) => (
+                scattering.has_surfaces() && (pass != Pass::PathTrace || volume.material.is_some()),
+                matches!(scattering.surface, SurfaceShare::Gradient(_)),
+            ),
             None => (volume.material.is_some() && lights(stage.mode()), volume.gradient_weight.is_some()),
         };
-        let scattering = scattering::to_fours(scattering, &tables.light);
+        let (entries, scattering) = match pass {
+            Pass::PathTrace => (extinctions(stage, volume, tables), scattering::of_paths(scattering, tables)),
+            _ => (Cow::Borrowed(entries), scattering::of_samples(scattering, &tables.light)),
+        };
         Self { pass, opaque, tables, entries, bleeds, nodes: *nodes, blocks, levels, shaded, weighted, scattering }
     }
 }
@@ -72,7 +86,7 @@ impl Optics<'_> {
     /// Bytes of the tables on the device.
     pub fn table_bytes(&self) -> u64 {
         let scattering = size_of_val(self.scattering.as_slice());
-        (size_of_val(self.entries) + size_of_val(self.levels.as_slice()) + scattering) as u64
+        (size_of_val(&*self.entries) + size_of_val(self.levels.as_slice()) + scattering) as u64
     }
 
     /// Bytes of the map of blocks on the device.
@@ -86,6 +100,13 @@ impl Optics<'_> {
             map.dims.iter().product::<usize>() as u64 * each
         })
     }
+}
+
+/// Colours, and extinctions per step: what paths look up.
+fn extinctions<'a>(stage: &Stage, volume: &StageVolume, tables: &Tables) -> Cow<'a, [[f32; 4]]> {
+    let (unit, step) = (volume.unit_distance(), stage.step as f32);
+    let entry = |&[r, g, b, opacity]: &[f32; 4]| [r, g, b, path_extinction(opacity, unit) * step];
+    tables.table.entries().iter().map(entry).collect()
 }
 
 /// Whether a mode shows surfaces in light.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pellucid_field::Volume;
-use pellucid_optics::Shadows;
+use pellucid_optics::{Anisotropy, Phase, Scattering, Shadows};
 use pellucid_scene::{
     Control, Frame, FrameStatistics, Mode, RenderWarning, Stage, StageVolume, TableCache, Tables, Technique,
 };
@@ -14,6 +14,7 @@ use crate::bricks::{self, Brick};
 use crate::device::Device;
 use crate::half_angle::{self, HalfAngleSlicer};
 use crate::optics::Optics;
+use crate::path_trace::PathTracer;
 use crate::pipelines::Pipelines;
 use crate::plan::Demands;
 use crate::ray_cast::RayCaster;
@@ -114,7 +115,11 @@ impl GpuRenderer {
     pub fn lacks(stage: &Stage) -> Option<String> {
         let lit = matches!(stage.mode(), Mode::Composite | Mode::Isosurface(_));
         match &stage.technique {
-            Technique::PathTrace(_) => Some(stage.technique.name().to_owned()),
+            Technique::PathTrace(_) => stage.volumes.iter().find_map(|volume| {
+                let Scattering { phase, anisotropy, .. } = &volume.scattering;
+                let varies = matches!(phase, Phase::Hybrid { .. }) && *anisotropy != Anisotropy::Uniform;
+                varies.then(|| "anisotropy of a hybrid phase function over the data in path_trace".to_owned())
+            }),
             Technique::HalfAngle(_) => None,
             _ if lit && stage.shadows != Shadows::None => Some(format!("lighting.shadows = {}", stage.shadows.name())),
             Technique::RayCast(_) | Technique::Slicing(_) => None,
@@ -237,8 +242,10 @@ impl GpuRenderer {
             },
         };
         let (plan, bricks) = MemoryPlan::new(&self.device, self.budget, stage, volume, &sources, &optics, demands)?;
-        if stage.half_angle().is_some() && bricks.len() > 1 {
-            let what = "the volume, which half-angle slicing needs whole,".to_owned();
+        if let Technique::HalfAngle(_) | Technique::PathTrace(_) = stage.technique
+            && bricks.len() > 1
+        {
+            let what = format!("the volume, which {} needs whole,", stage.technique.name());
             let needed = volume.volume.voxels().as_bytes().len() as u64;
             let advice = "draw it with --backend cpu, or resample it";
             return Err(GpuError::Budget { what, needed, budget: plan.budget, advice });
@@ -261,7 +268,15 @@ impl GpuRenderer {
         frame.clear(stage.viewpoint.width, stage.viewpoint.height);
         let (device, optics) = (&self.device, (&optics, &*uploads));
         let drawing = match &stage.technique {
-            Technique::RayCast(_) | Technique::PathTrace(_) => {
+            Technique::PathTrace(settings) => {
+                let majorants = self.tables.majorants(&tables, volume, settings.majorants)?;
+                let (what, optics) = ((stage, volume, settings), (optics.0, optics.1, &majorants));
+                let tracer = PathTracer::new(device, &mut self.pipelines, resident, what, optics, self.drawing);
+                let (mut tracer, drawing) = (tracer?, Instant::now());
+                tracer.draw(&mut self.reused, control, frame)?;
+                drawing
+            }
+            Technique::RayCast(_) => {
                 let caster =
                     RayCaster::new(device, &mut self.pipelines, resident, (stage, volume), optics, self.drawing);
                 let (mut caster, drawing) = (caster?, Instant::now());
@@ -286,7 +301,11 @@ impl GpuRenderer {
         };
         let rays = (stage.viewpoint.width * stage.viewpoint.height) as u64;
         frame.statistics = FrameStatistics {
-            rays: rays * u64::from(stage.quality.supersampling).pow(2),
+            rays: match stage.technique {
+                // Paths are counted as they are followed.
+                Technique::PathTrace(_) => frame.statistics.rays,
+                _ => rays * u64::from(stage.quality.supersampling).pow(2),
+            },
             setup_seconds: (drawing - started).as_secs_f64(),
             render_seconds: drawing.elapsed().as_secs_f64(),
             ..frame.statistics

@@ -2,8 +2,8 @@
 
 use std::f32::consts::PI;
 
-use pellucid_optics::{Anisotropy, Nodes, Phase, PhaseNormalization, Scattering, SurfaceShare};
-use pellucid_scene::LightTables;
+use pellucid_optics::{Anisotropy, Nodes, Phase, PhaseNormalization, ScatterTable, Scattering, SurfaceShare};
+use pellucid_scene::{LightTables, Tables};
 
 type Four = [f32; 4];
 
@@ -16,16 +16,40 @@ const HENYEY_GREENSTEIN: f32 = 1.0;
 const SCHLICK: f32 = 2.0;
 const HYBRID: f32 = 3.0;
 
-/// The structure's numbers; nothing if samples do not scatter.
-pub fn to_fours(scattering: &Scattering, tables: &LightTables) -> Vec<Four> {
+/// Directions of equal likelihood that a phase function is listed with: so many that neighbours still differ near a
+/// strong peak.
+const COSINES: usize = 512;
+
+/// What samples that scatter once look up; nothing if they do not.
+pub fn of_samples(scattering: &Scattering, tables: &LightTables) -> Vec<Four> {
     let Some(scatter) = &tables.scatter else { return Vec::new() };
+    let transport = tables.transport.as_ref().map(|table| (table.nodes(), table.entries()));
+    to_fours(scattering, scatter, transport, Listed::weights(scattering))
+}
+
+/// What paths look up: albedos are in the place of transport colours, and phase functions can be sampled.
+pub fn of_paths(scattering: &Scattering, tables: &Tables) -> Vec<Four> {
+    let Some(scatter) = &tables.light.scatter else { return Vec::new() };
+    let nodes = tables.table.nodes();
+    let albedo = |(node, entry): (usize, &Four)| four(scattering.at(nodes.value(node), *entry).albedo);
+    let albedos: Vec<_> = tables.table.entries().iter().enumerate().map(albedo).collect();
+    to_fours(scattering, scatter, Some((nodes, &albedos)), Listed::sampled(scattering))
+}
+
+/// The structure's numbers.
+fn to_fours(
+    scattering: &Scattering,
+    scatter: &ScatterTable,
+    colors: Option<(&Nodes, &[Four])>,
+    listed: Listed,
+) -> Vec<Four> {
     let mut entries = Vec::new();
     let properties = append(&mut entries, scatter.nodes(), scatter.entries());
-    let transport = tables.transport.as_ref();
-    let transport = transport.map_or([0.0; 4], |table| append(&mut entries, table.nodes(), table.entries()));
-    let listed = Listed::new(scattering);
+    let colors = colors.map_or([0.0; 4], |(nodes, colors)| append(&mut entries, nodes, colors));
     let angles = [0.0, 0.0, entries.len() as f32, listed.entries.len() as f32];
     entries.extend(listed.entries);
+    let cosines = [entries.len() as f32, listed.cosines.len() as f32, 0.0, 0.0];
+    entries.extend(listed.cosines);
     let is_renormalised = f32::from(scattering.phase_normalization == PhaseNormalization::Renormalised);
     let is_uniform = f32::from(scattering.anisotropy == Anisotropy::Uniform);
     let g = scattering.phase.anisotropy().unwrap_or(0.0);
@@ -33,7 +57,8 @@ pub fn to_fours(scattering: &Scattering, tables: &LightTables) -> Vec<Four> {
         SurfaceShare::Gradient(weight) => [weight.low, 1.0 / (weight.high - weight.low), 0.0, 0.0],
         _ => [0.0; 4],
     };
-    let header = [properties, transport, angles, [listed.kind, is_renormalised, g, is_uniform], listed.back, surfaces];
+    let phase = [listed.kind, is_renormalised, g, is_uniform];
+    let header = [properties, colors, angles, phase, listed.back, cosines, listed.shares, surfaces];
     header.into_iter().chain(entries).collect()
 }
 
@@ -50,33 +75,75 @@ struct Listed {
     entries: Vec<Four>,
     /// What a hybrid throws back, over its forward peak, integrated over all directions.
     back: Four,
+    /// Cosines between which directions are equally likely, ascending.
+    cosines: Vec<Four>,
+    /// What makes a weight a share per steradian.
+    shares: Four,
 }
 
 impl Listed {
-    fn new(scattering: &Scattering) -> Self {
-        let (phase, normalization) = (&scattering.phase, scattering.phase_normalization);
-        let list = |value: &dyn Fn(f32) -> [f32; 3]| {
-            let cosine = |k: usize| (k as f32 / (ANGLES - 1) as f32 * PI).cos();
-            (0..ANGLES).map(|k| four(value(cosine(k)))).collect()
-        };
-        match phase {
-            Phase::HenyeyGreenstein { .. } => Self::formula(HENYEY_GREENSTEIN),
-            Phase::Schlick { .. } => Self::formula(SCHLICK),
+    /// For samples that scatter once.
+    fn weights(scattering: &Scattering) -> Self {
+        match &scattering.phase {
             Phase::Hybrid { .. } => {
+                let phase = &scattering.phase;
                 // Without anisotropy the forward lobe is 1 over its peak, and the rest is what is thrown back.
                 let back = |mu| phase.weight(PhaseNormalization::Renormalised, 0.0, mu).map(|weight| weight - 1.0);
                 let share = phase.eval(0.0, 1.0).map(|forward| forward * 4.0 * PI);
                 let integral = share.map(|share| 4.0 * PI * (1.0 / share - 1.0));
-                Self { kind: HYBRID, entries: list(&back), back: four(integral) }
+                Self { kind: HYBRID, entries: list(back), back: four(integral), ..Self::formula(HYBRID) }
             }
-            _ => Self { entries: list(&|mu| phase.weight(normalization, 0.0, mu)), ..Self::formula(LISTED) },
+            _ => Self::sampled(scattering),
         }
     }
 
-    /// Nothing listed, but for an entry that is never asked for and its neighbour.
-    fn formula(kind: f32) -> Self {
-        Self { kind, entries: vec![[0.0; 4]; 2], back: [0.0; 4] }
+    /// For paths, which are scattered by one phase function at all values, or by a formula.
+    fn sampled(scattering: &Scattering) -> Self {
+        let (phase, normalization) = (&scattering.phase, scattering.phase_normalization);
+        let g = phase.anisotropy().unwrap_or(0.0);
+        match phase {
+            // Isotropic is its lobe without anisotropy.
+            Phase::Isotropic | Phase::HenyeyGreenstein { .. } => Self::formula(HENYEY_GREENSTEIN),
+            Phase::Schlick { .. } => Self::formula(SCHLICK),
+            _ => {
+                let weight = |mu| phase.weight(normalization, g, mu);
+                let brightest = (0..ANGLES).map(cosine).max_by(|a, b| weight(*a)[1].total_cmp(&weight(*b)[1]));
+                let brightest = brightest.unwrap_or(1.0);
+                let (value, weighted) = (phase.eval(g, brightest), weight(brightest));
+                let shares = [0, 1, 2].map(|c| if weighted[c] > 0.0 { value[c] / weighted[c] } else { 1.0 / PI });
+                Self {
+                    entries: list(weight),
+                    cosines: cosines(phase, g),
+                    shares: four(shares),
+                    ..Self::formula(LISTED)
+                }
+            }
+        }
     }
+
+    /// Nothing listed, but for entries that are never asked for.
+    fn formula(kind: f32) -> Self {
+        let nothing = vec![[0.0; 4]; 2];
+        Self { kind, entries: nothing.clone(), back: [0.0; 4], cosines: nothing, shares: [0.0; 4] }
+    }
+}
+
+/// The cosine of a listed angle.
+fn cosine(number: usize) -> f32 {
+    (number as f32 / (ANGLES - 1) as f32 * PI).cos()
+}
+
+fn list(value: impl Fn(f32) -> [f32; 3]) -> Vec<Four> {
+    (0..ANGLES).map(|number| four(value(cosine(number)))).collect()
+}
+
+/// Quantiles of the cosine, with both ends: every direction can be chosen.
+fn cosines(phase: &Phase, g: f32) -> Vec<Four> {
+    const SAMPLES: usize = 32 * COSINES;
+    let mut sampled: Vec<f32> = (0..SAMPLES).map(|k| phase.sample(g, (k as f32 + 0.5) / SAMPLES as f32)).collect();
+    sampled.sort_unstable_by(f32::total_cmp);
+    let inner = (1..COSINES).map(|k| sampled[k * SAMPLES / COSINES]);
+    std::iter::once(-1.0).chain(inner).chain([1.0]).map(|mu| [mu, 0.0, 0.0, 0.0]).collect()
 }
 
 fn four([r, g, b]: [f32; 3]) -> Four {

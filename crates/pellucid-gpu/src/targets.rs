@@ -63,34 +63,49 @@ impl Targets {
     ///
     /// # Errors
     /// What the device reports.
-    pub fn read(
+    pub fn read(&self, device: &Device, from: [u32; 2], rows: u32, picture: &mut Picture) -> Result<(), GpuError> {
+        self.read_pixels(device, from, rows, picture, |pixel, place, picture| {
+            let [x, y, z, depth] = pixel.surface;
+            if depth < NOWHERE {
+                picture.normal[place] = [x, y, z];
+            }
+            let [_, _, skipped, rays] = pixel.counts;
+            let statistics = &mut picture.statistics;
+            statistics.samples_skipped += u64::from(skipped);
+            statistics.rays_hit += u64::from(rays & 0xffff);
+            statistics.rays_terminated += u64::from(rays >> 16);
+        })
+    }
+
+    /// The same where pixels mean more than colour, depth and samples: that is told of each.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn read_pixels(
         &self,
         device: &Device,
         [column, row]: [u32; 2],
         rows: u32,
         picture: &mut Picture,
+        mut each: impl FnMut(&Pixel, usize, &mut Picture),
     ) -> Result<(), GpuError> {
         device.wait()?;
         let slice = self.copied.slice(..self.bytes(rows));
         let mapped = slice.get_mapped_range().map_err(|error| GpuError::Lost { reason: error.to_string() })?;
         let pixels: &[Pixel] = cast_slice(&mapped);
-        let start = |line: usize| (row as usize + line) * picture.width + column as usize;
+        let across = picture.width;
+        let start = |line: usize| (row as usize + line) * across + column as usize;
         let lines = pixels.chunks_exact(self.width as usize).enumerate();
-        let statistics = &mut picture.statistics;
         for (place, pixel) in lines.flat_map(|(line, pixels)| (start(line)..).zip(pixels)) {
             picture.color[place] = pixel.color;
-            let [x, y, z, depth] = pixel.surface;
-            if depth < NOWHERE {
-                picture.depth[place] = depth;
-                picture.normal[place] = [x, y, z];
+            if pixel.surface[3] < NOWHERE {
+                picture.depth[place] = pixel.surface[3];
             }
-            let [samples, visible, skipped, rays] = pixel.counts;
+            let [samples, visible, ..] = pixel.counts;
             picture.samples[place] = samples;
-            statistics.samples += u64::from(samples);
-            statistics.samples_visible += u64::from(visible);
-            statistics.samples_skipped += u64::from(skipped);
-            statistics.rays_hit += u64::from(rays & 0xffff);
-            statistics.rays_terminated += u64::from(rays >> 16);
+            picture.statistics.samples += u64::from(samples);
+            picture.statistics.samples_visible += u64::from(visible);
+            each(pixel, place, picture);
         }
         drop(mapped);
         self.copied.unmap();

@@ -246,6 +246,7 @@ fn rows(matrix: DMat3, last: DVec3) -> [Four; 3] {
 mod tests {
     use super::*;
     use crate::half_angle::Sweep;
+    use crate::path_trace::Paths;
     use crate::shaders::{self, Constants, Traversal, Variant};
     use crate::slicing::SliceBox;
     use std::mem::offset_of;
@@ -294,6 +295,9 @@ mod tests {
             direction_right direction_up plane ways blur scales cone size counts);
         let eye = Variant::of(shaders::Pass::HalfAngleEye).canonical().link(Constants::Uniform).unwrap();
         assert_eq!(layout(&eye, "Sweep"), sweep);
+        let paths = fields!(Paths: counts more numbers top bottom index_x index_y index_z lens_right lens_up);
+        let trace = Variant::of(shaders::Pass::PathTrace).canonical().link(Constants::Uniform).unwrap();
+        assert_eq!(layout(&trace, "Paths"), paths);
         assert_eq!(layout(&resolve, "Pixel"), fields!(Pixel: color surface counts));
         assert_eq!(layout(&resolve, "State").1 as u64, STATE_BYTES);
     }

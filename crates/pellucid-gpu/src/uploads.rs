@@ -7,11 +7,13 @@ use pellucid_scene::{BLUE_NOISE_TILE, BlockContent, BlockMap, Tables, blue_noise
 use wgpu::{Buffer, BufferUsages, TextureFormat, TextureView};
 
 use crate::optics::Optics;
+use crate::shaders::Pass;
 use crate::{Device, texture};
 
 /// The tables of a stage, uploaded.
 pub struct Uploads {
     of: Arc<Tables>,
+    pass: Pass,
     bleeds: bool,
     /// Colours and opacities.
     pub entries: Buffer,
@@ -33,8 +35,9 @@ impl Uploads {
             .collect();
         Self {
             of: tables.clone(),
+            pass: optics.pass,
             bleeds: optics.bleeds,
-            entries: storage(device, "table", optics.entries),
+            entries: storage(device, "table", &optics.entries),
             blocks: block_texture(device, optics.blocks, optics.pass.compares_extremes()),
             scattering: storage(device, "scattering", &optics.scattering),
             levels: storage(device, "levels", &optics.levels),
@@ -44,7 +47,7 @@ impl Uploads {
 
     /// Whether they are of these tables.
     pub fn are_of(&self, tables: &Arc<Tables>, optics: &Optics) -> bool {
-        Arc::ptr_eq(&self.of, tables) && self.bleeds == optics.bleeds
+        Arc::ptr_eq(&self.of, tables) && (self.pass, self.bleeds) == (optics.pass, optics.bleeds)
     }
 }
 

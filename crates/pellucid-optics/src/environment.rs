@@ -86,6 +86,11 @@ impl Sky {
         std::array::from_fn(|channel| self.bottom[channel] + (self.top[channel] - self.bottom[channel]) * t)
     }
 
+    /// How much brighter than the mean it is straight above, as a share of the mean.
+    pub fn slope(&self) -> f32 {
+        self.slope
+    }
+
     /// Density per steradian of [`sample`](Self::sample): proportional to the luminance.
     #[inline]
     pub fn pdf(&self, direction: Vec3) -> f32 {

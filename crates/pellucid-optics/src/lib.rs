@@ -44,7 +44,7 @@ pub use light::{Falloff, Frame, Incident, Light, LightCone, LightKind, LightShap
 pub use lighting::Lighting;
 pub use material::Material;
 pub use nodes::{DataRange, Nodes};
-pub use opacity::{correct_associated, correct_opacity, extinction, opacity_from_extinction, over};
+pub use opacity::{correct_associated, correct_opacity, extinction, opacity_from_extinction, over, path_extinction};
 pub use opacity_shapes::{opacity_shape, opacity_shape_names};
 pub use phase::{BackLobe, MOST_ANISOTROPY, Phase, PhaseNormalization, PhaseTable, TableAngles, turned};
 pub use preintegration::PreIntegration;

@@ -58,6 +58,13 @@ pub fn over(accumulated: [f32; 4], sample: [f32; 4]) -> [f32; 4] {
     std::array::from_fn(|channel| accumulated[channel] + transparency * sample[channel])
 }
 
+/// The extinction of an opacity as paths of light see it, per world unit. Full opacity is that of a unit distance that
+/// lets 6e-8 of the light through, which single precision cannot tell from none.
+pub fn path_extinction(opacity: f32, unit_distance: f64) -> f32 {
+    const MOST_OPACITY: f32 = 1.0 - f32::EPSILON / 2.0;
+    extinction(f64::from(opacity.min(MOST_OPACITY)), unit_distance) as f32
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;

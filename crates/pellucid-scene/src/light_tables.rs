@@ -43,8 +43,7 @@ impl Stage {
             Technique::RayCast(_) | Technique::Slicing(_) => {
                 self.light_model == LightModel::Scattering && *self.mode() == Mode::Composite
             }
-            Technique::HalfAngle(_) => true,
-            Technique::PathTrace(_) => false,
+            Technique::HalfAngle(_) | Technique::PathTrace(_) => true,
         }
     }
 }

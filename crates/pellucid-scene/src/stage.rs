@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{Classification, HalfAngle, Mode, Region, Slice, Slicing, Stage, StageVolume, Technique};
+use crate::{Classification, HalfAngle, Mode, PathTrace, Region, Slice, Slicing, Stage, StageVolume, Technique};
 
 impl Stage {
     /// What is made of the samples.
@@ -22,6 +22,14 @@ impl Stage {
     pub fn half_angle(&self) -> Option<&HalfAngle> {
         match &self.technique {
             Technique::HalfAngle(half_angle) => Some(half_angle),
+            _ => None,
+        }
+    }
+
+    /// The settings of the path tracer, if that draws.
+    pub fn path_trace(&self) -> Option<&PathTrace> {
+        match &self.technique {
+            Technique::PathTrace(path_trace) => Some(path_trace),
             _ => None,
         }
     }

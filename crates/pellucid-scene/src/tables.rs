@@ -111,7 +111,7 @@ impl TableCache {
     ///
     /// # Errors
     /// [`TableError::Field`] if there is no such component.
-    pub fn fine_ranges(&mut self, tables: &Tables) -> Result<Option<Arc<Blocks>>, TableError> {
+    pub(crate) fn fine_ranges(&mut self, tables: &Tables) -> Result<Option<Arc<Blocks>>, TableError> {
         let Some(margin) = Margin::of(tables.filter) else { return Ok(None) };
         let size = Blocks::CELLS / 2;
         Ok(Some(kept(&mut self.fine_blocks, &tables.field, tables.component, margin, size)?))

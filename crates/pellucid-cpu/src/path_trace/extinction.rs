@@ -1,29 +1,18 @@
 //! How fast light is lost, by data value.
 
-use pellucid_optics::{Nodes, Table, extinction};
+use pellucid_optics::{Nodes, Table, path_extinction};
 
 /// Extinction per world unit at the nodes of a transfer function's table.
 pub struct Extinctions {
     nodes: Nodes,
     entries: Vec<f32>,
-    unit_distance: f64,
 }
-
-/// Full opacity as a path sees it: a unit distance of it lets 6e-8 of the light through, which single
-/// precision cannot tell from none.
-const MOST_OPACITY: f32 = 1.0 - f32::EPSILON / 2.0;
 
 impl Extinctions {
     /// Those of a table whose opacities hold for `unit_distance` world units.
     pub fn new(table: &Table, unit_distance: f64) -> Self {
-        let mut extinctions = Self { nodes: *table.nodes(), entries: Vec::new(), unit_distance };
-        extinctions.entries = table.entries().iter().map(|entry| extinctions.of_opacity(entry[3])).collect();
-        extinctions
-    }
-
-    /// The extinction of an opacity.
-    pub fn of_opacity(&self, opacity: f32) -> f32 {
-        extinction(f64::from(opacity.min(MOST_OPACITY)), self.unit_distance) as f32
+        let entries = table.entries().iter().map(|entry| path_extinction(entry[3], unit_distance)).collect();
+        Self { nodes: *table.nodes(), entries }
     }
 
     /// The extinction at a data value; none where the value is absent.

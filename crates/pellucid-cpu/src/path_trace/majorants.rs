@@ -1,56 +1,11 @@
-//! Bounds of the extinction in blocks of the data, and the walk through them.
+//! The walk through blocks that bound the extinction.
 
 use glam::Vec3;
-use pellucid_field::{Blocks, distances};
-use pellucid_optics::Visibility;
-
-use super::extinction::Extinctions;
-
-/// The largest extinction in every block.
-pub struct Majorants {
-    dims: [usize; 3],
-    /// Cells of the data along a side of a block.
-    size: f32,
-    /// Per world unit, x fastest.
-    values: Vec<f32>,
-    /// How many blocks away the next one is where there is extinction; 0 if there is some in the block.
-    distances: Vec<u8>,
-}
-
-impl Majorants {
-    /// Those of blocks, or one that bounds everything if nothing is known of blocks.
-    pub fn new(blocks: Option<&Blocks>, extinctions: &Extinctions, visibility: &Visibility) -> Self {
-        let bound = |low, high| extinctions.of_opacity(visibility.max_opacity(low, high));
-        let Some(blocks) = blocks else {
-            let values = vec![bound(f32::MIN, f32::MAX)];
-            return Self { dims: [1; 3], size: f32::INFINITY, values, distances: vec![0] };
-        };
-        let of_block = |&range: &[f32; 2]| {
-            let [low, high] = Blocks::interpolated(range);
-            if range == Blocks::ABSENT { 0.0 } else { bound(low, high) }
-        };
-        let values: Vec<f32> = blocks.ranges().iter().map(of_block).collect();
-        let distances = distances(blocks.dims(), |block| values[block] > 0.0);
-        Self { dims: blocks.dims(), size: blocks.size() as f32, values, distances }
-    }
-
-    /// The blocks that a flight of `length` passes, from its origin on.
-    #[inline]
-    pub fn walk(&self, origin: Vec3, direction: Vec3, length: f32) -> Walk<'_> {
-        let inverse = direction.recip();
-        let block = [0, 1, 2].map(|axis| {
-            let block = (origin[axis] / self.size).max(0.0) as i32;
-            block.min(self.dims[axis] as i32 - 1)
-        });
-        let mut walk = Walk { majorants: self, origin, direction, inverse, block, exits: [0.0; 3], length };
-        walk.exits = [0, 1, 2].map(|axis| walk.exit(axis, 0));
-        walk
-    }
-}
+use pellucid_scene::MajorantGrid;
 
 /// A walk from block to block (Amanatides and Woo 1987).
 pub struct Walk<'a> {
-    majorants: &'a Majorants,
+    majorants: &'a MajorantGrid,
     origin: Vec3,
     direction: Vec3,
     inverse: Vec3,
@@ -60,7 +15,20 @@ pub struct Walk<'a> {
     length: f32,
 }
 
-impl Walk<'_> {
+impl<'a> Walk<'a> {
+    /// The blocks that a flight of `length` passes, from its origin on.
+    #[inline]
+    pub fn new(majorants: &'a MajorantGrid, origin: Vec3, direction: Vec3, length: f32) -> Self {
+        let inverse = direction.recip();
+        let block = [0, 1, 2].map(|axis| {
+            let block = (origin[axis] / majorants.size).max(0.0) as i32;
+            block.min(majorants.dims[axis] as i32 - 1)
+        });
+        let mut walk = Self { majorants, origin, direction, inverse, block, exits: [0.0; 3], length };
+        walk.exits = [0, 1, 2].map(|axis| walk.exit(axis, 0));
+        walk
+    }
+
     /// Where the flight leaves the blocks up to so many beyond its own along an axis. From their number,
     /// not step by step: no error adds up.
     #[inline(always)]

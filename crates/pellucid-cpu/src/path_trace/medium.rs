@@ -2,10 +2,10 @@
 
 use glam::{Affine3A, DVec3, Vec3};
 use pellucid_field::Grid;
-use pellucid_scene::{Ray, Region};
+use pellucid_scene::{MajorantGrid, Ray, Region};
 
 use super::extinction::Extinctions;
-use super::majorants::Majorants;
+use super::majorants::Walk;
 use super::random::Random;
 use super::values::Values;
 
@@ -129,7 +129,7 @@ pub struct Medium<'a, F> {
     /// Extinction by data value.
     pub extinctions: Extinctions,
     /// Bounds of the extinction.
-    pub majorants: &'a Majorants,
+    pub majorants: &'a MajorantGrid,
 }
 
 /// Below this, a transmittance is left to chance: what gets through is rare and worth as much more.
@@ -141,7 +141,7 @@ impl<F: Values> Medium<'_, F> {
     /// one with the medium as often as the medium is as dense.
     #[inline]
     pub fn collide(&self, flight: &Flight, random: &mut Random, looks: &mut u32) -> Option<Collision> {
-        let mut walk = self.majorants.walk(flight.origin, flight.direction, flight.length);
+        let mut walk = Walk::new(self.majorants, flight.origin, flight.direction, flight.length);
         let (mut distance, mut depth) = (0.0, random.depth());
         loop {
             let (majorant, exit) = walk.block();
@@ -169,7 +169,7 @@ impl<F: Values> Medium<'_, F> {
     /// product of the chances that none of the collisions is one with the medium.
     #[inline]
     pub fn transmittance(&self, flight: &Flight, random: &mut Random, looks: &mut u32) -> f32 {
-        let mut walk = self.majorants.walk(flight.origin, flight.direction, flight.length);
+        let mut walk = Walk::new(self.majorants, flight.origin, flight.direction, flight.length);
         let (mut distance, mut depth, mut through) = (0.0, random.depth(), 1.0f32);
         loop {
             let (majorant, exit) = walk.block();

@@ -18,16 +18,14 @@ mod vertex;
 
 use std::sync::Arc;
 
-use pellucid_field::{Blocks, ComponentView, Gradient, Sampler, Voxels};
-use pellucid_optics::Visibility;
-use pellucid_scene::{Control, Jitter, PathTrace, Region, Stage, StageVolume, TableCache, Tables};
+use pellucid_field::{ComponentView, Gradient, Sampler, Voxels};
+use pellucid_scene::{Control, Jitter, MajorantGrid, PathTrace, Region, Stage, StageVolume, TableCache, Tables};
 
 use crate::RenderError;
 use crate::field::Probe;
 use crate::tiles::Tile;
 use extinction::Extinctions;
 use lens::Lens;
-use majorants::Majorants;
 use medium::{Medium, Space};
 use path::World;
 use values::{Any, Trilinear, Values};
@@ -39,7 +37,7 @@ pub struct PathTracer<'s> {
     settings: &'s PathTrace,
     region: Region,
     tables: Arc<Tables>,
-    majorants: Majorants,
+    majorants: MajorantGrid,
 }
 
 /// Draws tiles.
@@ -64,13 +62,7 @@ impl<'s> PathTracer<'s> {
         cache: &mut TableCache,
     ) -> Result<Self, RenderError> {
         let tables = cache.tables(stage, volume)?;
-        let ranges: Option<Arc<Blocks>> = match settings.majorants {
-            pellucid_scene::Majorants::Local => cache.fine_ranges(&tables)?,
-            pellucid_scene::Majorants::Global => None,
-        };
-        let extinctions = Extinctions::new(&tables.table, volume.unit_distance());
-        let visibility = Visibility::of_table(&tables.table);
-        let majorants = Majorants::new(ranges.as_deref(), &extinctions, &visibility);
+        let majorants = cache.majorants(&tables, volume, settings.majorants)?;
         Ok(Self { stage, volume, settings, region: stage.region(volume), tables, majorants })
     }
 

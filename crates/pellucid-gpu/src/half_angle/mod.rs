@@ -334,7 +334,6 @@ impl<'a> HalfAngleSlicer<'a> {
             texture_low: [turn, radius, 0, 0],
             core_low: [from[0], from[1], 0, 0],
             core_high: [to[0], to[1], 0, 0],
-            ..uniforms::Pass::default()
         }
     }
 

@@ -24,7 +24,7 @@ macro_rules! source {
 }
 
 /// What passes import; each only from those above it.
-const SHARED: [Source; 19] = [
+const SHARED: [Source; 22] = [
     source!("frame"),
     source!("ray"),
     source!("kernel"),
@@ -44,6 +44,9 @@ const SHARED: [Source; 19] = [
     source!("slab"),
     source!("eye"),
     source!("presence"),
+    source!("random"),
+    source!("paths"),
+    source!("vertex"),
 ];
 
 /// What a pass makes of the volume.
@@ -91,6 +94,10 @@ pub enum Pass {
     HalfAngleEye,
     /// What a light brought to pixels, and their surface.
     HalfAngleSurface,
+    /// Paths of light.
+    PathTrace,
+    /// What they brought to pixels.
+    PathTracePixels,
 }
 
 /// How a pass gets at the samples.
@@ -106,7 +113,7 @@ pub enum Traversal {
 
 impl Pass {
     /// All passes.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 23] = [
         Self::Composite,
         Self::CompositePre,
         Self::PreIntegrated,
@@ -128,6 +135,8 @@ impl Pass {
         Self::HalfAnglePresence,
         Self::HalfAngleEye,
         Self::HalfAngleSurface,
+        Self::PathTrace,
+        Self::PathTracePixels,
     ];
 
     /// Whether it makes something of samples along rays, which slices can do as well.
@@ -143,9 +152,14 @@ impl Pass {
         matches!(self, HalfAngleLight | HalfAnglePresence | HalfAngleEye | HalfAngleSurface)
     }
 
+    /// Whether it follows paths of light, or what they brought.
+    pub(crate) fn traces(self) -> bool {
+        matches!(self, Self::PathTrace | Self::PathTracePixels)
+    }
+
     /// Whether it looks at the volume.
     pub(crate) fn reads(self) -> bool {
-        self.samples() || self.sweeps() || self == Self::Slice
+        self.samples() || self.sweeps() || self.traces() || self == Self::Slice
     }
 
     /// The file with the entry point, and the mode it walks for.
@@ -173,6 +187,8 @@ impl Pass {
             Self::HalfAnglePresence => (source!("half_angle_presence"), None),
             Self::HalfAngleEye => (source!("half_angle_eye"), None),
             Self::HalfAngleSurface => (source!("half_angle_surface"), None),
+            Self::PathTrace => (source!("path_trace"), None),
+            Self::PathTracePixels => (source!("path_trace_pixels"), None),
         }
     }
 
@@ -314,7 +330,7 @@ impl Variant {
             // Their slices are blended as colours.
             self.pass = Composite;
         }
-        let clouds = matches!(self.pass, Composite | CompositePre | PreIntegrated | HalfAngleEye);
+        let clouds = matches!(self.pass, Composite | CompositePre | PreIntegrated | HalfAngleEye | PathTrace);
         let lights = clouds || self.pass == Isosurface;
         let projects = matches!(self.pass, Maximum | Minimum | Average | Slice);
         let reads = self.pass.reads() && !pixels;
@@ -322,21 +338,22 @@ impl Variant {
         // (but their gradients would be).
         self.hardware &= !self.holes && reads;
         self.holes &= reads;
-        self.bricks &= reads && !self.pass.sweeps();
+        let is_whole = self.pass.sweeps() || self.pass.traces();
+        self.bricks &= reads && !is_whole;
         // Slices leap by what is not drawn.
-        self.skip &= reads && !slices && !matches!(self.pass, Average | Slice);
+        self.skip &= reads && !slices && !matches!(self.pass, Average | Slice | PathTrace | PathTracePixels);
         self.shaded &= lights && reads;
         self.weighted &= self.shaded;
         // Values of slices are classified once they are blended.
         self.opaque &= projects && !slices;
         // Bricks are passes already.
-        self.wavefront &= !self.bricks && reads && !slices && !self.pass.sweeps();
+        self.wavefront &= !self.bricks && reads && !slices && !is_whole;
         self.kernels &= reads;
         self.strides &= self.skip && self.pass == Composite;
         self.stack &= slices && !self.bricks && !self.kernels;
         self.bleeding &= slices && self.pass == CompositePre;
-        // What the eye sees of slabs is always a cloud.
-        self.scattered = (self.scattered && clouds && reads) || self.pass == HalfAngleEye;
+        // What the eye sees of slabs is always a cloud, and so is what paths meet.
+        self.scattered = (self.scattered && clouds && reads) || matches!(self.pass, HalfAngleEye | PathTrace);
         self.indirect &= matches!(self.pass, HalfAngleLight | HalfAngleEye);
         self.transport &= self.indirect;
         self.scatters_direct &= self.indirect && self.pass == HalfAngleLight;

@@ -75,11 +75,18 @@ fn span_of(origin: vec3<f32>, direction: vec3<f32>, from_t: f32, to_t: f32) -> v
     return vec2<f32>(t0, t1);
 }
 
-// The ray with number `sub` of a pixel.
-fn ray_of(pixel: vec2<u32>, sub: u32) -> Ray {
-    let n = frame.size.z;
-    let inside = (vec2<f32>(vec2<u32>(sub % n, sub / n)) + 0.5) / f32(n);
-    let at = vec2<f32>(pixel) + inside;
+// A ray before it is cut to the field.
+struct Beam {
+    // Where it crosses the base plane, and its way of a step, in voxels; the same as a unit vector of the world.
+    origin: vec3<f32>,
+    direction: vec3<f32>,
+    world: vec3<f32>,
+    // Steps from the eye to the base plane.
+    to_base: f32,
+}
+
+// The ray through a place of the picture, in pixels.
+fn beam_of(at: vec2<f32>) -> Beam {
     let a = (at.x - frame.picture.x) * frame.picture.z;
     let b = (frame.picture.y - at.y) * frame.picture.z;
     var unit = 1.0;
@@ -89,8 +96,18 @@ fn ray_of(pixel: vec2<u32>, sub: u32) -> Ray {
     let origin = frame.origin_middle.xyz + frame.origin_right.xyz * a + frame.origin_up.xyz * b;
     let direction = (frame.direction_middle.xyz + frame.direction_right.xyz * a + frame.direction_up.xyz * b) * unit;
     let world = (frame.world_middle.xyz + frame.world_right.xyz * a + frame.world_up.xyz * b) * unit;
+    return Beam(origin, direction, world, frame.origin_middle.w / unit);
+}
 
-    let to_base = frame.origin_middle.w / unit;
+// The ray with number `sub` of a pixel.
+fn ray_of(pixel: vec2<u32>, sub: u32) -> Ray {
+    let n = frame.size.z;
+    let inside = (vec2<f32>(vec2<u32>(sub % n, sub / n)) + 0.5) / f32(n);
+    let at = vec2<f32>(pixel) + inside;
+    let beam = beam_of(at);
+    let origin = beam.origin;
+    let direction = beam.direction;
+    let to_base = beam.to_base;
     let span = span_of(origin, direction, -to_base, FAR);
     let t0 = span.x;
     let t1 = span.y;
@@ -100,7 +117,7 @@ fn ray_of(pixel: vec2<u32>, sub: u32) -> Ray {
     ray.direction = direction;
     let slow = abs(ray.direction) < vec3<f32>(1e-12);
     ray.inverse = 1.0 / select(ray.direction, vec3<f32>(1e-12), slow);
-    ray.to_eye = -world;
+    ray.to_eye = -beam.world;
     ray.entry = t0 + to_base;
     let whole = t1 - t0;
     // A remainder below the precision of the interval is no segment.

@@ -3,7 +3,7 @@
 
 struct Scattering {
     // Where the entries of a table are: node = (value - x) * y; the first entry's place, and how many there are.
-    // Anisotropy and surfaces; transport colours; the phase function by its angle.
+    // Anisotropy and surfaces; transport colours, for paths the albedo; the phase function by its angle.
     properties: vec4<f32>,
     transport: vec4<f32>,
     angles: vec4<f32>,
@@ -12,6 +12,10 @@ struct Scattering {
     phase: vec4<f32>,
     // What is thrown back, over the forward lobe's peak, integrated over all directions.
     back: vec4<f32>,
+    // Cosines between which directions are equally likely, of a phase function that is listed: the first one's
+    // place, and how many there are; factor of its weights that makes them shares per steradian.
+    cosines: vec4<f32>,
+    shares: vec4<f32>,
     // Gradient magnitude where surfaces begin, one over the width of their rise.
     surfaces: vec4<f32>,
     entries: array<vec4<f32>>,
@@ -73,6 +77,68 @@ fn schlick(g: f32, mu: f32) -> f32 {
     return (1.0 - k * k) / (4.0 * PI * rest * rest);
 }
 
+// The share of light per steradian that turns by an angle of cosine `mu`: `Phase::eval`.
+fn phase_value(g: f32, mu: f32) -> vec3<f32> {
+    switch u32(scattering.phase.x) {
+        case 1u: { return vec3<f32>(henyey_greenstein(g, mu)); }
+        case 2u: { return vec3<f32>(schlick(g, mu)); }
+        default: { return listed_value(mu) * scattering.shares.rgb; }
+    }
+}
+
+fn cosine_at(number: u32) -> f32 {
+    return scattering.entries[u32(scattering.cosines.x) + number].x;
+}
+
+// The density per steradian with which `phase_cosine` chooses directions.
+fn phase_density(g: f32, mu: f32) -> f32 {
+    switch u32(scattering.phase.x) {
+        case 1u: { return henyey_greenstein(g, mu); }
+        case 2u: { return schlick(g, mu); }
+        default: {}
+    }
+    // Cosines ascend; those between two neighbours are equally likely.
+    var low = 0u;
+    var high = u32(scattering.cosines.y) - 1u;
+    while high - low > 1u {
+        let middle = (low + high) / 2u;
+        if cosine_at(middle) <= mu {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let width = max(cosine_at(high) - cosine_at(low), 1e-9);
+    return 1.0 / (2.0 * PI * width * (scattering.cosines.y - 1.0));
+}
+
+// A cosine distributed as `phase_density`, from a number in 0..1.
+fn phase_cosine(g: f32, u: f32) -> f32 {
+    let t = 2.0 * u - 1.0;
+    switch u32(scattering.phase.x) {
+        case 1u: {
+            let numerator = 2.0 * t + g * (3.0 + t * t + g * (2.0 * t + g * (t * t - 1.0)));
+            let rest = 1.0 + g * t;
+            return clamp(numerator / (2.0 * rest * rest), -1.0, 1.0);
+        }
+        case 2u: {
+            let k = clamp(g * (1.55 - 0.55 * g * g), -0.998, 0.998);
+            return clamp((t + k) / (1.0 + k * t), -1.0, 1.0);
+        }
+        default: {
+            let place = u * (scattering.cosines.y - 1.0);
+            let node = min(u32(place), u32(scattering.cosines.y) - 2u);
+            return mix(cosine_at(node), cosine_at(node + 1u), place - f32(node));
+        }
+    }
+}
+
+// What is listed by angle.
+fn listed_value(mu: f32) -> vec3<f32> {
+    let table = scattering.angles;
+    return entry(table, acos(clamp(mu, -1.0, 1.0)) / PI * (table.w - 1.0)).rgb;
+}
+
 // The factor of a light's radiance where its way turns by an angle of cosine `mu`: `Phase::weight`.
 fn phase_weight(g: f32, mu: f32) -> vec3<f32> {
     let kind = scattering.phase.x;
@@ -84,8 +150,7 @@ fn phase_weight(g: f32, mu: f32) -> vec3<f32> {
     }
     var listed = vec3<f32>(0.0);
     if kind != HENYEY_GREENSTEIN {
-        let table = scattering.angles;
-        listed = entry(table, acos(clamp(mu, -1.0, 1.0)) / PI * (table.w - 1.0)).rgb;
+        listed = listed_value(mu);
     }
     if kind == 0.0 {
         return listed;

@@ -8,7 +8,7 @@ use crate::check::{Checked, join, positive, require};
 use crate::check_optics;
 
 /// Settings of the path tracer: light by the equation of transfer, with every scattering, free of bias
-/// and with noise that falls with the square root of the samples. On the processor.
+/// and with noise that falls with the square root of the samples.
 ///
 /// Every sample is classified by itself (post-classification). A volume scatters as its `scattering`
 /// says; its material's emission shines at every point that has opacity, and `ambient` is not used.

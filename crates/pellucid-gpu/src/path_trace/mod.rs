@@ -1,0 +1,176 @@
+//! The path tracer: a path of light for every pixel at a time, until there are enough of them, as the CPU backend
+//! follows them. Random numbers are others, and so is the noise.
+
+mod numbers;
+
+use std::time::Instant;
+
+use bytemuck::bytes_of;
+use pellucid_optics::Material;
+use pellucid_scene::{Control, Frame as Picture, MajorantGrid, PathTrace, Stage, StageVolume};
+use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, CommandEncoderDescriptor};
+
+use crate::bindings::Bindings;
+use crate::dispatch::dispatch;
+use crate::optics::Optics;
+use crate::pace::Pace;
+use crate::passes::PassBuffer;
+use crate::pipelines::{Pipeline, Pipelines};
+use crate::renderer::Drawing;
+use crate::resident::Resident;
+use crate::reused::Reused;
+use crate::shaders::{Pass, Variant};
+use crate::targets::Targets;
+use crate::uniforms;
+use crate::uploads::{Uploads, storage};
+use crate::window::Window;
+use crate::{Device, GpuError};
+
+pub use numbers::Paths;
+
+/// Most paths of a pixel in a submission.
+const MOST_PATHS: u32 = 256;
+
+/// Everything on the device that one frame is drawn with.
+pub struct PathTracer<'a> {
+    device: &'a Device,
+    resident: &'a mut Resident,
+    bindings: Bindings<'a>,
+    settings: &'a PathTrace,
+    numbers: Buffer,
+    majorants: Buffer,
+    trace: Pipeline,
+    pixels: Pipeline,
+}
+
+impl<'a> PathTracer<'a> {
+    /// Makes pipelines and what changes with camera and light.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn new(
+        device: &'a Device,
+        pipelines: &mut Pipelines,
+        resident: &'a mut Resident,
+        (stage, volume, settings): (&Stage, &StageVolume, &'a PathTrace),
+        (optics, uploads, majorants): (&Optics, &'a Uploads, &MajorantGrid),
+        drawing: Drawing,
+    ) -> Result<Self, GpuError> {
+        let alter = |frame: &mut uniforms::Frame| {
+            let nothing = Material { emission: 0.0, ..Material::default() };
+            let material = volume.material.unwrap_or(nothing);
+            frame.material = [material.emission, material.diffuse, material.specular, material.shininess];
+            frame.counts[3] = u32::from(material.two_sided);
+            // Paths are spread over each pixel anyway.
+            frame.picture[0] = stage.viewpoint.width as f32 / 2.0;
+            frame.picture[1] = stage.viewpoint.height as f32 / 2.0;
+            (frame.size[2], frame.noise[2]) = (1, 0);
+        };
+        let bindings =
+            Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter);
+        let trace = pipelines.get(device, Variant { pass: Pass::PathTrace, ..bindings.variant })?.clone();
+        let pixels = pipelines.get(device, Variant { pass: Pass::PathTracePixels, ..bindings.variant })?.clone();
+        let grid = volume.volume.grid();
+        let pairs = majorants.values.iter().zip(&majorants.distances);
+        let blocks: Vec<[f32; 2]> =
+            pairs.map(|(extinction, distance)| [extinction * stage.step as f32, f32::from(*distance)]).collect();
+        Ok(Self {
+            numbers: device.constant_buffer("paths", bytes_of(&Paths::new(stage, grid, settings, majorants))),
+            majorants: storage(device, "majorants", &blocks),
+            device,
+            resident,
+            bindings,
+            settings,
+            trace,
+            pixels,
+        })
+    }
+
+    /// Draws all bands into a picture of the stage's size.
+    ///
+    /// # Errors
+    /// [`GpuError::Cancelled`], or what the device reports.
+    pub fn draw(&mut self, reused: &mut Reused, control: &Control, picture: &mut Picture) -> Result<(), GpuError> {
+        let Window { low: [column, first], size: [width, height] } = self.bindings.window;
+        let (mut row, end) = (first, if width == 0 { first } else { first + height });
+        let mut paths = 0;
+        while row < end {
+            let rows = self.resident.plan.rows.min(end - row);
+            // The old ones go first.
+            let room = picture.width as u64 * u64::from(rows);
+            reused.targets.take_if(|targets| !targets.fits(room));
+            let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, room));
+            targets.width = width;
+            let report = |done: f64| {
+                control.report((f64::from(row - first) + f64::from(rows) * done) / f64::from(height));
+            };
+            self.draw_band(targets, &mut reused.looks, [row, rows], control, &report)?;
+            targets.read_pixels(self.device, [column, row], rows, picture, |pixel, place, picture| {
+                let [noise, count, _, _] = pixel.surface;
+                picture.noise[place] = noise;
+                picture.statistics.rays_hit += u64::from(pixel.counts[2]);
+                paths += count as u64;
+            })?;
+            row += rows;
+        }
+        picture.statistics.rays = paths;
+        Ok(())
+    }
+
+    fn draw_band(
+        &mut self,
+        targets: &Targets,
+        pace: &mut Pace,
+        [row, rows]: [u32; 2],
+        control: &Control,
+        report: &dyn Fn(f64),
+    ) -> Result<(), GpuError> {
+        let brick = self.resident.bricks[0];
+        let views = self.resident.textures(self.device, &brick, control)?;
+        let volume = self.bindings.volume_group(&self.trace.groups[1], &views);
+        let states = (5, targets.states.as_entire_binding());
+        let sees = [states.clone(), (19, self.numbers.as_entire_binding()), (20, self.majorants.as_entire_binding())];
+        let size = [targets.width, rows];
+        let mut path = 0;
+        while path < self.settings.samples {
+            if control.is_cancelled() {
+                return Err(GpuError::Cancelled);
+            }
+            let some = path..path + pace.amount(MOST_PATHS.min(self.settings.samples - path));
+            path = some.end;
+            let pass = |path| uniforms::Pass {
+                rows: [row, rows, path, 0],
+                texture_low: [0, 0, 0, u32::from(path == 0)],
+                ..uniforms::Pass::default()
+            };
+            let passes = PassBuffer::new(self.device, some.clone().map(pass));
+            let [frame, table] = self.groups(&self.trace, &passes, &sees);
+            let started = Instant::now();
+            let mut encoder = self.encoder();
+            for number in 0..some.len() {
+                let groups = [&frame, &volume, &table];
+                dispatch(&mut encoder, &self.trace.pipeline, &groups, passes.offset(number), size, None);
+            }
+            self.device.queue.submit([encoder.finish()]);
+            self.device.wait()?;
+            pace.learn(started.elapsed());
+            report(f64::from(path) / f64::from(self.settings.samples));
+        }
+        let passes = PassBuffer::new(self.device, [uniforms::Pass { rows: [row, rows, 0, 0], ..Default::default() }]);
+        let [frame, table] = self.groups(&self.pixels, &passes, &[states, (7, targets.pixels.as_entire_binding())]);
+        let mut encoder = self.encoder();
+        dispatch(&mut encoder, &self.pixels.pipeline, &[&frame, &volume, &table], 0, size, None);
+        targets.copy(&mut encoder, rows);
+        self.device.queue.submit([encoder.finish()]);
+        Ok(())
+    }
+
+    fn groups(&self, pipeline: &Pipeline, passes: &PassBuffer, own: &[(u32, BindingResource)]) -> [BindGroup; 2] {
+        let table = self.bindings.table_group(&pipeline.groups[2], &pipeline.variant);
+        [self.bindings.frame_group(&pipeline.groups[0], passes, own), table]
+    }
+
+    fn encoder(&self) -> CommandEncoder {
+        self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("paths") })
+    }
+}

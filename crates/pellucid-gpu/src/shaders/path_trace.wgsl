@@ -1,0 +1,219 @@
+// A path of light for each pixel, from the eye to where its light came from: `path.rs` of the CPU backend. The pass:
+// rows of the picture, the number of the path; 1 if it is the first.
+#import pellucid::frame::{frame, bounds}
+#import pellucid::light::{incident, lights, normal_of}
+#import pellucid::march::{new_state, states, DONE, HIT}
+#import pellucid::paths::{collide, leave_along, paths, to_voxels, to_world, transmittance, Flight, FAR_AWAY}
+#import pellucid::random::{begin_stream, random}
+#import pellucid::ray::{beam_of, span_of}
+#import pellucid::vertex::{cloud_vertex, turned, vertex_density, vertex_light, vertex_sample, vertex_value, Vertex}
+#ifdef SHADED
+#import pellucid::field::field_gradient
+#import pellucid::scatter::{gradient_share, scatterer_of}
+#endif
+
+const PI: f32 = 3.14159265;
+// Fewest paths before a pixel may be done, and paths between two looks: as in the CPU backend.
+const FEWEST: f32 = 64.0;
+const BATCH: u32 = 16u;
+const DARK: f32 = 1e-3;
+
+fn sky_radiance(direction: vec3<f32>) -> vec3<f32> {
+    return mix(paths.bottom.rgb, paths.top.rgb, 0.5 + 0.5 * direction.z);
+}
+
+fn sky_density(direction: vec3<f32>) -> f32 {
+    return (1.0 + paths.top.w * direction.z) / (4.0 * PI);
+}
+
+fn sky_sample() -> vec3<f32> {
+    let s = paths.top.w;
+    let t = 2.0 * random() - 1.0;
+    let z = (2.0 * t + s) / (1.0 + sqrt(max(1.0 + s * (2.0 * t + s), 0.0)));
+    return turned(vec3<f32>(0.0, 0.0, 1.0), clamp(z, -1.0, 1.0), random());
+}
+
+// A path from the eye.
+struct Beam {
+    flight: Flight,
+    forward: vec3<f32>,
+    is_there: bool,
+}
+
+// Through a random point of a pixel, and of the lens.
+fn beam(pixel: vec2<u32>) -> Beam {
+    let at = vec2<f32>(pixel) + vec2<f32>(random(), random());
+    let ray = beam_of(at);
+    var origin = ray.origin;
+    var forward = ray.world;
+    if paths.numbers.y > 0.0 {
+        let radius = paths.numbers.y * sqrt(random());
+        let turn = 2.0 * PI * random();
+        let across = (paths.lens_right.xyz * cos(turn) + paths.lens_up.xyz * sin(turn)) * radius;
+        // From the eye, all in steps.
+        let focus = forward * (paths.numbers.z / dot(forward, frame.world_middle.xyz));
+        let eye = origin - to_voxels(forward) * ray.to_base;
+        forward = normalize(focus - across);
+        origin = eye + to_voxels(across) + to_voxels(forward) * ray.to_base;
+    }
+    let direction = to_voxels(forward);
+    let span = span_of(origin, direction, -ray.to_base, FAR_AWAY);
+    let flight = Flight(origin + direction * span.x, direction, span.y - span.x);
+    return Beam(flight, forward, span.x < span.y);
+}
+
+// The surface at a collision, as often as the collision is one with a surface (K-11).
+fn vertex_of(p: vec3<f32>, value: f32, color: vec3<f32>, forward: vec3<f32>) -> Vertex {
+#ifdef SHADED
+    let surface = normal_of(field_gradient(p));
+#ifdef WEIGHTED
+    let share = gradient_share(surface.magnitude);
+#else
+    let share = scatterer_of(value).surface;
+#endif
+    let is_met = random() < share && surface.magnitude > 0.0;
+    let facing = -dot(surface.direction, forward);
+    if is_met && (facing >= 0.0 || frame.counts.w != 0u) && frame.material.y + frame.material.z > 0.0 {
+        let normal = select(surface.direction, -surface.direction, facing < 0.0);
+        return Vertex(vec4<f32>(color, 0.0), forward, normal, true);
+    }
+#endif
+    return cloud_vertex(value, forward);
+}
+
+struct Light {
+    radiance: vec3<f32>,
+    looks: u32,
+}
+
+// Light that comes straight from a light or from the sky, of which one is asked.
+fn direct(p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
+    if sources == 0u {
+        return Light(vec3<f32>(0.0), 0u);
+    }
+    let chosen = min(u32(random() * f32(sources)), sources - 1u);
+    var direction = vec3<f32>(0.0);
+    var distance = FAR_AWAY;
+    var light = vec3<f32>(0.0);
+    if chosen < frame.counts.x {
+        let source = lights[chosen];
+        let arriving = incident(source, p);
+        direction = arriving.to_light;
+        if source.place.w != 0.0 {
+            distance = length(source.place.xyz - to_world(p)) / frame.picture.w;
+        }
+        light = vertex_light(vertex, arriving, source.radiance.w != 0.0);
+    } else {
+        direction = sky_sample();
+        let density = sky_density(direction) / f32(sources);
+        // The balance heuristic (Veach and Guibas 1995): the sky is found by scattering as well.
+        let share = 1.0 / (density + vertex_density(vertex, direction));
+        light = vertex_value(vertex, direction) * sky_radiance(direction) * share / f32(sources);
+    }
+    if all(light <= vec3<f32>(0.0)) {
+        return Light(vec3<f32>(0.0), 0u);
+    }
+    let through = transmittance(leave_along(p, direction, distance));
+    return Light(light * through.x * f32(sources), u32(through.y));
+}
+
+// What a path brought.
+struct Found {
+    radiance: vec3<f32>,
+    looks: u32,
+    has_collided: bool,
+}
+
+fn follow(start: Beam) -> Found {
+    var found = Found(vec3<f32>(0.0), 0u, false);
+    var flight = start.flight;
+    var forward = start.forward;
+    var throughput = vec3<f32>(1.0);
+    // Density with which the last scattering chose the direction.
+    var density = 0.0;
+    let has_sky = paths.bottom.w != 0.0;
+    let sources = frame.counts.x + select(0u, 1u, has_sky);
+    for (var scatterings = 0u; ; scatterings += 1u) {
+        let collision = collide(flight);
+        found.looks += collision.looks;
+        if collision.distance >= FAR_AWAY {
+            if scatterings > 0u && has_sky {
+                let share = density / (density + sky_density(forward) / f32(sources));
+                found.radiance += throughput * sky_radiance(forward) * share;
+            }
+            return found;
+        }
+        found.has_collided = true;
+        let p = flight.origin + flight.direction * collision.distance;
+        let color = collision.matter.rgb;
+        found.radiance += throughput * color * frame.material.x;
+        if scatterings == paths.counts.w {
+            return found;
+        }
+        let vertex = vertex_of(p, collision.value, color, forward);
+        let light = direct(p, vertex, sources);
+        found.radiance += throughput * light.radiance;
+        found.looks += light.looks;
+        forward = vertex_sample(vertex);
+        density = vertex_density(vertex, forward);
+        if !(density > 0.0) {
+            return found;
+        }
+        throughput *= vertex_value(vertex, forward) / density;
+        let brightest = max(throughput.x, max(throughput.y, throughput.z));
+        if !(brightest > 0.0) {
+            return found;
+        }
+        if scatterings >= paths.more.x && brightest < 1.0 {
+            if random() >= brightest {
+                return found;
+            }
+            throughput /= brightest;
+        }
+        flight = leave_along(p, forward, FAR_AWAY);
+    }
+    return found;
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= frame.size.x || id.y >= bounds.rows.y {
+        return;
+    }
+    let slot = id.y * frame.size.x + id.x;
+    let path = bounds.rows.z;
+    var state = new_state();
+    if bounds.texture_low.w == 0u {
+        state = states[slot];
+    } else {
+        state.surface = vec4<f32>(0.0);
+    }
+    if (state.counts.w & DONE) != 0u {
+        return;
+    }
+    let pixel = id.xy + vec2<u32>(frame.size.y, bounds.rows.x);
+    begin_stream(paths.counts.xy, pixel.y * 65536u + pixel.x, path);
+    let start = beam(pixel);
+    var found = Found(vec3<f32>(0.0), 0u, false);
+    if start.is_there {
+        state.counts.w |= HIT;
+        state.counts.z += 1u;
+        found = follow(start);
+    }
+    state.color += vec4<f32>(found.radiance, select(0.0, 1.0, found.has_collided));
+    state.counts.x += found.looks;
+    state.counts.y += select(0u, 1u, found.has_collided);
+    // Mean and variance as they come (Welford 1962).
+    let brightness = dot(found.radiance, vec3<f32>(0.2126, 0.7152, 0.0722));
+    let count = state.surface.z + 1.0;
+    let difference = brightness - state.surface.x;
+    let mean = state.surface.x + difference / count;
+    let squares = state.surface.y + difference * (brightness - mean);
+    state.surface = vec4<f32>(mean, squares, count, 0.0);
+    let error = sqrt(squares / (count * max(count - 1.0, 1.0)));
+    let is_looked_at = paths.numbers.x > 0.0 && u32(count) % BATCH == 0u && count >= FEWEST;
+    if is_looked_at && error <= paths.numbers.x * max(mean, DARK) {
+        state.counts.w |= DONE;
+    }
+    states[slot] = state;
+}

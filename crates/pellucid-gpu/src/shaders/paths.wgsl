@@ -1,0 +1,211 @@
+// The medium that paths cross: where they collide and how much light gets through, as in the CPU backend's
+// `path_trace/medium.rs`. Distances are in steps, and so are extinctions.
+#define_import_path pellucid::paths
+
+#import pellucid::frame::frame
+#import pellucid::ray::{planes, nonzeros}
+#import pellucid::field::{field_value, is_present}
+#import pellucid::random::{random, random_depth}
+#import pellucid::table::classify
+
+struct Paths {
+    // Seeds; paths per pixel; most scatterings.
+    counts: vec4<u32>,
+    // Scatterings after which dim paths end at random; blocks.
+    more: vec4<u32>,
+    // The standard error that is aimed at, radius of the lens and distance in focus, both in steps; cells per
+    // block.
+    numbers: vec4<f32>,
+    // The sky from above and below; how much brighter than the mean it is above; 1 if there is one.
+    top: vec4<f32>,
+    bottom: vec4<f32>,
+    // Rows of the matrix from steps of the world to voxels.
+    index_x: vec4<f32>,
+    index_y: vec4<f32>,
+    index_z: vec4<f32>,
+    // Unit vectors of the world across the view.
+    lens_right: vec4<f32>,
+    lens_up: vec4<f32>,
+}
+
+#ifdef STORED_CONSTANTS
+@group(0) @binding(19) var<storage, read> paths: Paths;
+#else
+@group(0) @binding(19) var<uniform> paths: Paths;
+#endif
+// The largest extinction of every block, and how many blocks away the next one is where there is some.
+@group(0) @binding(20) var<storage, read> majorants: array<vec2<f32>>;
+
+const FAR_AWAY: f32 = 1e30;
+
+// A straight way through the medium, in voxels per step.
+struct Flight {
+    origin: vec3<f32>,
+    direction: vec3<f32>,
+    length: f32,
+}
+
+struct Collision {
+    // Steps from the flight's origin; FAR_AWAY if there is none.
+    distance: f32,
+    value: f32,
+    // Colour, and extinction per step.
+    matter: vec4<f32>,
+    looks: u32,
+}
+
+// A direction of the world in voxels per step.
+fn to_voxels(v: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(dot(paths.index_x.xyz, v), dot(paths.index_y.xyz, v), dot(paths.index_z.xyz, v));
+}
+
+fn to_world(p: vec3<f32>) -> vec3<f32> {
+    let here = vec4<f32>(p, 1.0);
+    return vec3<f32>(dot(frame.world_x, here), dot(frame.world_y, here), dot(frame.world_z, here));
+}
+
+// The way from a position inside, along a unit vector of the world, to where the medium ends or to `most` steps.
+fn leave_along(origin: vec3<f32>, forward: vec3<f32>, most: f32) -> Flight {
+    let direction = to_voxels(forward);
+    let sides = select(frame.low.xyz, frame.high.xyz, direction > vec3<f32>(0.0));
+    // A position on a side, by rounding beyond it, has no way left there.
+    let exits = max((sides - origin) / nonzeros(direction), vec3<f32>(0.0));
+    var length = min(min(most, exits.x), min(exits.y, exits.z));
+    for (var i = 0u; i < frame.counts.y; i += 1u) {
+        let plane = planes[i];
+        let slope = dot(plane.xyz, direction);
+        if slope < 0.0 {
+            length = min(length, max((dot(plane.xyz, origin) - plane.w) / -slope, 0.0));
+        }
+    }
+    return Flight(origin, direction, length);
+}
+
+// A walk from block to block (Amanatides and Woo 1987).
+struct Walk {
+    block: vec3<i32>,
+    // Where the flight leaves the block along each axis.
+    exits: vec3<f32>,
+}
+
+fn exits_of(flight: Flight, block: vec3<i32>, beyond: i32) -> vec3<f32> {
+    // Along the sides of blocks there is a way, too, or a flight would be behind its exit.
+    let direction = nonzeros(flight.direction);
+    let is_forward = direction > vec3<f32>(0.0);
+    let last = vec3<i32>(paths.more.yzw) - 1;
+    let room = select(block, last - block, is_forward);
+    let side = select(block - beyond, block + (beyond + 1), is_forward);
+    let exits = (vec3<f32>(side) * paths.numbers.w - flight.origin) / direction;
+    return select(exits, vec3<f32>(FAR_AWAY), vec3<i32>(beyond) >= room);
+}
+
+fn walk_of(flight: Flight) -> Walk {
+    let last = vec3<i32>(paths.more.yzw) - 1;
+    let block = min(vec3<i32>(max(flight.origin / paths.numbers.w, vec3<f32>(0.0))), last);
+    return Walk(block, exits_of(flight, block, 0));
+}
+
+fn block_of(walk: Walk) -> vec2<f32> {
+    let n = vec3<i32>(paths.more.yzw);
+    return majorants[walk.block.x + n.x * (walk.block.y + n.y * walk.block.z)];
+}
+
+// Goes on to the next block, or over all those that are known to be empty, and tells where the flight enters; FAR_AWAY
+// if it ends before.
+fn advance(walk: ptr<function, Walk>, flight: Flight, distance_to_next: f32) -> f32 {
+    let beyond = max(i32(distance_to_next) - 1, 0);
+    let old = (*walk).block;
+    let exits = exits_of(flight, old, beyond);
+    let exit = min(exits.x, min(exits.y, exits.z));
+    if exit >= flight.length {
+        return FAR_AWAY;
+    }
+    let step = select(vec3<i32>(-1), vec3<i32>(1), nonzeros(flight.direction) > vec3<f32>(0.0)) * (beyond + 1);
+    // Rounding must not lead out of the cube, nor out of the grid.
+    let at = vec3<i32>(floor((flight.origin + flight.direction * exit) / paths.numbers.w));
+    let last = vec3<i32>(paths.more.yzw) - 1;
+    var block = clamp(clamp(at, old - beyond, old + beyond), vec3<i32>(0), last);
+    if exits.x <= exits.y && exits.x <= exits.z {
+        block.x = old.x + step.x;
+    } else if exits.y <= exits.z {
+        block.y = old.y + step.y;
+    } else {
+        block.z = old.z + step.z;
+    }
+    *walk = Walk(block, exits_of(flight, block, 0));
+    return exit;
+}
+
+// The next collision along a flight, by delta tracking (Woodcock et al. 1965): a collision with a medium as dense as
+// the majorant is one with the medium as often as that is as dense.
+fn collide(flight: Flight) -> Collision {
+    var found = Collision(FAR_AWAY, 0.0, vec4<f32>(0.0), 0u);
+    var walk = walk_of(flight);
+    var distance = 0.0;
+    var depth = random_depth();
+    loop {
+        let block = block_of(walk);
+        let exit = min(min(walk.exits.x, walk.exits.y), min(walk.exits.z, flight.length));
+        while block.x > 0.0 {
+            let next = distance + depth / block.x;
+            if next >= exit {
+                depth -= block.x * max(exit - distance, 0.0);
+                break;
+            }
+            distance = next;
+            found.looks += 1u;
+            let value = field_value(flight.origin + flight.direction * distance);
+            let matter = classify(value);
+            if random() * block.x < matter.a {
+                found.distance = distance;
+                found.value = value;
+                found.matter = matter;
+                return found;
+            }
+            depth = random_depth();
+        }
+        distance = advance(&walk, flight, block.y);
+        if distance >= flight.length {
+            return found;
+        }
+    }
+    return found;
+}
+
+// An estimate of the share of light that gets through, by ratio tracking (Novak et al. 2014), and the looks it took.
+fn transmittance(flight: Flight) -> vec2<f32> {
+    // Below this, a transmittance is left to chance: what gets through is rare and worth as much more.
+    const FAINT: f32 = 0.05;
+    var walk = walk_of(flight);
+    var distance = 0.0;
+    var depth = random_depth();
+    var through = 1.0;
+    var looks = 0.0;
+    loop {
+        let block = block_of(walk);
+        let exit = min(min(walk.exits.x, walk.exits.y), min(walk.exits.z, flight.length));
+        while block.x > 0.0 {
+            let next = distance + depth / block.x;
+            if next >= exit {
+                depth -= block.x * max(exit - distance, 0.0);
+                break;
+            }
+            distance = next;
+            looks += 1.0;
+            let matter = classify(field_value(flight.origin + flight.direction * distance));
+            through *= 1.0 - min(matter.a / block.x, 1.0);
+            if through < FAINT {
+                if random() * FAINT >= through {
+                    return vec2<f32>(0.0, looks);
+                }
+                through = FAINT;
+            }
+            depth = random_depth();
+        }
+        distance = advance(&walk, flight, block.y);
+        if distance >= flight.length {
+            return vec2<f32>(through, looks);
+        }
+    }
+    return vec2<f32>(through, looks);
+}

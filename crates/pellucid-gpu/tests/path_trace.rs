@@ -1,0 +1,162 @@
+//! Paths of light bring what those of the CPU backend bring, but for their noise, and what closed forms say.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::{draw, gpu, sample, stage};
+use pellucid_cpu::CpuRenderer;
+use pellucid_field::{Grid, Volume, VoxelType};
+use pellucid_gpu::{Ceiling, GpuError};
+use pellucid_optics::luminance;
+use pellucid_scene::{Cancel, Control, Frame, Stage};
+
+const SIZE: [u32; 2] = [24, 20];
+
+fn clouds(scattering: &str, rest: &str) -> Stage {
+    let volume = sample("wavelet", [20, 20, 20], VoxelType::F32);
+    let document = format!(
+        "shading = false\nunit_distance = 2.0\n[volumes.transfer_function]\n\
+         colors = [[80, \"#8090ff\"], [160, \"#f0e0c0\"], [260, \"#ffa080\"]]\n\
+         opacities = [[90, 0], [140, 0.1], [170, 0.0], [190, 0.3], [270, 0.9]]\n\
+         [volumes.scattering]\n{scattering}\n{rest}"
+    );
+    stage(&volume, &document, SIZE)
+}
+
+fn of_cpu(stage: &Stage) -> Frame {
+    CpuRenderer::default().render(stage, &Control::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Differences over their standard errors, squared: their mean over pixels, which is about 1 for the same picture,
+/// and the difference of the pictures' mean brightness over its own.
+fn scores(a: &Frame, b: &Frame) -> (f64, f64) {
+    let brightness = |frame: &Frame, k: usize| f64::from(luminance([0, 1, 2].map(|c| frame.color[k][c])));
+    let (mut squares, mut count, mut difference, mut variance) = (0.0, 0, 0.0, 0.0);
+    for k in 0..a.color.len() {
+        let error = f64::from(a.noise[k]).powi(2) + f64::from(b.noise[k]).powi(2);
+        if error == 0.0 {
+            continue;
+        }
+        let d = brightness(a, k) - brightness(b, k);
+        squares += d * d / error;
+        count += 1;
+        difference += d;
+        variance += error;
+    }
+    assert!(count > 100, "only {count} pixels with anything in them");
+    (squares / f64::from(count), difference / variance.sqrt())
+}
+
+#[test]
+fn pictures_are_those_of_the_cpu_but_for_noise() {
+    let sun = "[[lighting.lights]]\nkind.directional.direction = [0.6, 0.7, -0.4]\n";
+    let lamp =
+        "[[lighting.lights]]\nkind.point = { position = [-20, -15, 18], falloff.inverse_square.reference = 30 }\n";
+    let sky = "environment.gradient = { top = \"#a0c0ff\", bottom = \"#403020\" }";
+    let cases = [
+        ("phase = \"isotropic\"", format!("{sun}[technique.path_trace]\nsamples = 256\n")),
+        ("phase.henyey_greenstein.g = 0.7", format!("{sun}{lamp}[technique.path_trace]\nsamples = 256\n{sky}\n")),
+        (
+            "phase.schlick.g = 0.4\nanisotropy.values = [[80, 0.8], [200, -0.5]]\nalbedo.constant = 0.8",
+            format!("{lamp}[technique.path_trace]\nsamples = 256\nmajorants = \"global\"\n{sky}\n"),
+        ),
+        (
+            "phase.table.values = [[1, 2, 3], [0.1, 0.5, 0.2], [2, 1, 0.5]]\nphase_normalization = \"renormalised\"",
+            format!("{sun}[technique.path_trace]\nsamples = 256\nbounces = 3\n{sky}\n"),
+        ),
+        (
+            "phase.hybrid = { g = 0.6, back.values = [[0, 0, 0], [0.1, 0.2, 0.4]] }",
+            format!(
+                "{lamp}[technique.path_trace]\nsamples = 256\nroulette = 1\n{sky}\n[camera]\nprojection.orthographic = {{}}\n"
+            ),
+        ),
+        (
+            "phase.double_henyey_greenstein = { first = 0.8, second = -0.4, share = 0.7 }",
+            format!(
+                "{sun}[technique.path_trace]\nsamples = 256\naperture = 1.5\n{sky}\n\
+                 [[clips]]\nplane = {{ point = [1, 0, 0], normal = [0.6, 0.2, -0.7] }}\n"
+            ),
+        ),
+    ];
+    for (scattering, rest) in cases {
+        let stage = clouds(scattering, &rest);
+        let (expected, found) = (of_cpu(&stage), draw(&mut gpu(&Ceiling::default()), &stage));
+        let (squares, mean) = scores(&expected, &found);
+        // Of some 300 pixels, four standard errors of a mean of squares; tails are heavier than normal ones.
+        assert!((0.6..1.5).contains(&squares) && mean.abs() < 4.0, "{scattering}: {squares}, {mean}");
+        assert!(found.statistics.rays > 0 && found.statistics.rays.is_multiple_of(256), "{scattering}");
+    }
+}
+
+#[test]
+fn surfaces_reflect_as_on_the_cpu() {
+    let volume = sample("ball", [24, 24, 24], VoxelType::F32);
+    let document = "shading = true\nmaterial = { diffuse = 0.7, specular = 0.5, shininess = 20, emission = 0.05 }\n\
+         [volumes.transfer_function]\ncolors = [[0, \"#ffc080\"]]\n\
+         opacities = [[0.4, 0], [0.6, 0.95]]\nunit_distance = 0.1\n\
+         [volumes.scattering.surface]\ngradient = { low = 0.1, high = 0.8 }\n\
+         [[lighting.lights]]\nkind.directional.direction = [0.6, 0.7, -0.4]\n\
+         [technique.path_trace]\nsamples = 400\nenvironment.constant.color = \"#808080\"\n";
+    let stage = stage(&volume, document, [48, 40]);
+    let (expected, found) = (of_cpu(&stage), draw(&mut gpu(&Ceiling::default()), &stage));
+    let (squares, mean) = scores(&expected, &found);
+    assert!((0.6..1.5).contains(&squares) && mean.abs() < 4.0, "{squares}, {mean}");
+    // Both say where half of the light has collided.
+    let near = expected.depth.iter().zip(&found.depth).filter(|(a, b)| (*a - *b).abs() < 0.1).count();
+    let both = expected.depth.iter().zip(&found.depth).filter(|(a, b)| a.is_finite() && b.is_finite()).count();
+    assert!(both > 100 && near * 10 > both * 9, "{near} of {both}");
+}
+
+/// A white medium in a white sky is not seen: what collides brings as much light as what does not.
+#[test]
+fn a_furnace_is_white() {
+    let white = "albedo.constant = 1.0\nphase.henyey_greenstein.g = 0.5";
+    let stage = clouds(
+        white,
+        "[lighting]\nlights = []\n[technique.path_trace]\nsamples = 200\nenvironment.constant.color = \"#ffffff\"\n",
+    );
+    let found = draw(&mut gpu(&Ceiling::default()), &stage);
+    let (mut difference, mut variance) = (0.0, 0.0);
+    for (color, noise) in found.color.iter().zip(&found.noise) {
+        difference += f64::from(luminance([color[0], color[1], color[2]]) - color[3]);
+        variance += f64::from(*noise).powi(2);
+    }
+    assert!(found.color.iter().any(|color| color[3] > 0.7));
+    assert!(difference.abs() < 4.0 * variance.sqrt().max(1e-3), "{difference} with {}", variance.sqrt());
+}
+
+/// A slab that absorbs lets `exp(-extinction length)` through.
+#[test]
+fn what_collides_is_what_beers_law_says() {
+    let grid = Grid::new([9, 5, 9]).unwrap();
+    let volume = Arc::new(Volume::new(grid, vec![1.0f32; 9 * 5 * 9]).unwrap());
+    let document = "[volumes.transfer_function]\ncolors = [[0, \"#ffffff\"]]\nopacities = [[0, 0.3], [2, 0.3]]\n\
+         unit_distance = 1.0\n[volumes.scattering.albedo]\nconstant = 0.0\n[camera]\nprojection.orthographic = {}\n\
+         view.orbit = { azimuth = 0, elevation = 0 }\n[technique.path_trace]\nsamples = 500\n";
+    let found = draw(&mut gpu(&Ceiling::default()), &stage(&volume, document, [16, 16]));
+    let opacities: Vec<f64> = found.color.iter().map(|color| f64::from(color[3])).filter(|a| *a > 0.0).collect();
+    let inner: Vec<f64> = opacities.iter().copied().filter(|a| *a > 0.6).collect();
+    let mean = inner.iter().sum::<f64>() / inner.len() as f64;
+    let expected = 1.0 - 0.7f64.powi(4);
+    let error = (expected * (1.0 - expected) / (500.0 * inner.len() as f64)).sqrt();
+    assert!(inner.len() > 50 && (mean - expected).abs() < 4.0 * error, "{mean}, not {expected} within {error}");
+}
+
+#[test]
+fn paths_end_at_the_noise_asked_for_or_when_told_to() {
+    let sun = "[[lighting.lights]]\nkind.directional.direction = [0.6, 0.7, -0.4]\n";
+    let stage = clouds("", &format!("{sun}[technique.path_trace]\nsamples = 4000\nnoise = 0.2\n"));
+    let mut renderer = gpu(&Ceiling::default());
+    let found = draw(&mut renderer, &stage);
+    let brightness = |color: &[f32; 4]| luminance([color[0], color[1], color[2]]).max(1e-3);
+    let done = found.color.iter().zip(&found.noise).filter(|(color, noise)| **noise <= 0.2 * brightness(color));
+    assert!(done.count() * 100 >= found.color.len() * 99);
+    assert!(found.statistics.rays < 4000 * u64::from(SIZE[0] * SIZE[1]) / 4, "{}", found.statistics.rays);
+    // The same seed draws the same picture.
+    assert_eq!(draw(&mut renderer, &stage).color, found.color);
+    let cancel = Cancel::default();
+    cancel.cancel();
+    let stopped = renderer.render(&stage, &Control { cancel: Some(&cancel), ..Control::default() });
+    assert_eq!(stopped.unwrap_err(), GpuError::Cancelled);
+}
