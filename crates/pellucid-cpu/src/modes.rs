@@ -240,8 +240,7 @@ impl Prepared<'_> {
         let field = self.any(sampler.clone());
         Some(match self.stage.mode() {
             Mode::Isosurface(isosurface) => {
-                const ROUGHNESS_VOXELS: f64 = 2.0;
-                let away = (ROUGHNESS_VOXELS * self.grid().smallest_spacing() / shadows.length).max(1.0) as f32;
+                let away = self.stage.shadow_offset(self.volume, shadows.length) as f32;
                 Box::new(Surfaces { s, field, levels: self.levels(isosurface), ways, away, skip })
             }
             _ => Box::new(Media { field, table: Lookup::of_steps(&shadows.table), ways, skip }),

@@ -4,10 +4,8 @@
 use std::sync::Arc;
 
 use pellucid_field::Grid;
-use pellucid_optics::{ResolvedLight, ShadowRays, ShadowVolume, Shadows, StepTable};
-use pellucid_scene::{
-    BlockContent, BlockMap, Control, Mode, Region, Stage, StageVolume, TableCache, Tables, Technique,
-};
+use pellucid_optics::{ResolvedLight, ShadowVolume, Shadows, StepTable};
+use pellucid_scene::{BlockContent, BlockMap, Control, Mode, Region, Stage, StageVolume, TableCache, Tables};
 
 use crate::RenderError;
 use crate::lanes::InstructionSet;
@@ -154,8 +152,7 @@ impl<'s> Prepared<'s> {
         }
         let tables = cache.tables.tables(stage, volume)?;
         let grids = cache.grids(&tables);
-        let lit = tables.light.scatter.is_some() || volume.material.is_some();
-        let length = shadow_step(stage, volume).filter(|_| lit);
+        let length = stage.shadow_step(volume);
         let steps = |length| {
             let table = StepTable::new(&tables.table, (length / volume.unit_distance()) as f32)?;
             Ok::<_, RenderError>(ShadowSteps { length, table })
@@ -177,18 +174,6 @@ impl<'s> Prepared<'s> {
     /// The grid all positions refer to.
     pub fn grid(&self) -> &Grid {
         self.volume.volume.grid()
-    }
-}
-
-/// The step of shadow rays in world units, if the stage asks for such.
-fn shadow_step(stage: &Stage, volume: &StageVolume) -> Option<f64> {
-    let smallest = volume.volume.grid().smallest_spacing();
-    match (&stage.technique, stage.mode(), stage.shadows) {
-        (Technique::RayCast(_), Mode::Composite | Mode::Isosurface(_), Shadows::Rays(rays)) => {
-            Some(rays.step * smallest)
-        }
-        (Technique::RayCast(_), Mode::Isosurface(_), Shadows::Volume(_)) => Some(ShadowRays::default().step * smallest),
-        _ => None,
     }
 }
 

@@ -59,6 +59,7 @@ impl<'a> Bindings<'a> {
             shaded: optics.shaded,
             weighted: optics.weighted,
             scattered: optics.tables.light.scatter.is_some(),
+            shadowed: stage.shadow_step(volume).is_some(),
             opaque: optics.opaque,
             kernels: kernels.is_some(),
             ..Variant::of(optics.pass)

@@ -114,6 +114,14 @@ impl GpuRenderer {
     /// What a stage asks for and this backend does not have, if anything.
     pub fn lacks(stage: &Stage) -> Option<String> {
         let lit = matches!(stage.mode(), Mode::Composite | Mode::Isosurface(_));
+        let name = stage.technique.name();
+        // Slices do not look towards the light.
+        let shadows = match (&stage.technique, stage.shadows) {
+            (_, Shadows::None) => true,
+            (Technique::RayCast(_), Shadows::Rays(_)) => true,
+            (Technique::RayCast(_), Shadows::Volume(_)) => matches!(stage.mode(), Mode::Isosurface(_)),
+            _ => false,
+        };
         match &stage.technique {
             Technique::PathTrace(_) => stage.volumes.iter().find_map(|volume| {
                 let Scattering { phase, anisotropy, .. } = &volume.scattering;
@@ -121,7 +129,7 @@ impl GpuRenderer {
                 varies.then(|| "anisotropy of a hybrid phase function over the data in path_trace".to_owned())
             }),
             Technique::HalfAngle(_) => None,
-            _ if lit && stage.shadows != Shadows::None => Some(format!("lighting.shadows = {}", stage.shadows.name())),
+            _ if lit && !shadows => Some(format!("lighting.shadows = {} in {name}", stage.shadows.name())),
             Technique::RayCast(_) | Technique::Slicing(_) => None,
         }
     }
@@ -242,10 +250,9 @@ impl GpuRenderer {
             },
         };
         let (plan, bricks) = MemoryPlan::new(&self.device, self.budget, stage, volume, &sources, &optics, demands)?;
-        if let Technique::HalfAngle(_) | Technique::PathTrace(_) = stage.technique
-            && bricks.len() > 1
-        {
-            let what = format!("the volume, which {} needs whole,", stage.technique.name());
+        let travels = matches!(stage.technique, Technique::HalfAngle(_) | Technique::PathTrace(_));
+        if (travels || stage.shadow_step(volume).is_some()) && bricks.len() > 1 {
+            let what = "the volume, which light on its way needs whole,".to_owned();
             let needed = volume.volume.voxels().as_bytes().len() as u64;
             let advice = "draw it with --backend cpu, or resample it";
             return Err(GpuError::Budget { what, needed, budget: plan.budget, advice });

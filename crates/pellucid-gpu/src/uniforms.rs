@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 use pellucid_field::Grid;
-use pellucid_optics::{LightShape, Nodes, ResolvedLight};
+use pellucid_optics::{LightShape, Material, Nodes, ResolvedLight};
 use pellucid_scene::{Jitter, Mode, Region, Slice, Stage, StageVolume, blue_noise_shift};
 
 use crate::window::Window;
@@ -37,6 +37,7 @@ pub struct Frame {
     pub limits: Four,
     pub plane: Four,
     pub plane_normal: Four,
+    pub shadows: Four,
     pub size: [u32; 4],
     pub dims: [u32; 4],
     pub blocks: [u32; 4],
@@ -113,7 +114,8 @@ impl Frame {
         let [left, top] = [view.width as f64 / 2.0 - view.shift.x, view.height as f64 / 2.0 - view.shift.y];
         let pixel = 2.0 * view.half_height / view.height as f64;
         frame.picture = [left, top, pixel, stage.step].map(|v| v as f32);
-        if let Some(material) = &volume.material {
+        // What scatters as a cloud reflects as any surface, as far as it is one.
+        if let Some(material) = volume.material.or_else(|| stage.scatters().then(Material::default)) {
             let unlit = material.emission + material.ambient * stage.ambient;
             frame.material = [unlit, material.diffuse, material.specular, material.shininess];
             frame.counts[3] = u32::from(material.two_sided);
@@ -125,6 +127,10 @@ impl Frame {
         frame.limits[2] = stage.quality.early_termination;
         frame.limits[3] = (stage.step / volume.unit_distance()) as f32;
         frame.size = [view.width as u32, 0, stage.quality.supersampling, u32::from(view.perspective)];
+        if let Some(length) = stage.shadow_step(volume) {
+            let away = stage.shadow_offset(volume, length);
+            frame.shadows = [length, length / stage.step, away, 0.0].map(|v| v as f32);
+        }
         frame.counts[0] = stage.lights.len() as u32;
         frame.counts[1] = region.half_spaces().len() as u32;
         match stage.mode() {
@@ -278,7 +284,7 @@ mod tests {
         let resolve = Variant::of(shaders::Pass::Resolve).link(Constants::Uniform).unwrap();
         let frame = fields!(Frame: origin_middle origin_right origin_up direction_middle direction_right direction_up
             world_middle world_right world_up low high gradient_x gradient_y gradient_z world_x world_y world_z
-            picture values material limits plane plane_normal size dims blocks counts noise);
+            picture values material limits plane plane_normal shadows size dims blocks counts noise);
         assert_eq!(layout(&shaded, "Frame"), frame);
         assert_eq!(layout(&shaded, "Pass"), fields!(Pass: rows texture_low core_low core_high));
         assert_eq!(layout(&shaded, "Light"), fields!(Light: place radiance axis cone));

@@ -1,6 +1,7 @@
 //! What every backend asks of a stage before it draws.
 
 use glam::DVec3;
+use pellucid_optics::{ShadowRays, Shadows};
 
 use crate::{Classification, HalfAngle, Mode, PathTrace, Region, Slice, Slicing, Stage, StageVolume, Technique};
 
@@ -31,6 +32,28 @@ impl Stage {
         match &self.technique {
             Technique::PathTrace(path_trace) => Some(path_trace),
             _ => None,
+        }
+    }
+
+    /// The step of shadow rays in world units, if what is lit of a volume asks for such.
+    pub fn shadow_step(&self, volume: &StageVolume) -> Option<f64> {
+        let smallest = volume.volume.grid().smallest_spacing();
+        let step = match (&self.technique, self.mode(), self.shadows) {
+            (Technique::RayCast(_), Mode::Composite | Mode::Isosurface(_), Shadows::Rays(rays)) => rays.step,
+            // Shadows of surfaces have edges.
+            (Technique::RayCast(_), Mode::Isosurface(_), Shadows::Volume(_)) => ShadowRays::default().step,
+            _ => return None,
+        };
+        (self.scatters() || volume.material.is_some()).then_some(step * smallest)
+    }
+
+    /// How many steps of a length off the sample shadow rays begin: off surfaces, as far as the roughness of sampled
+    /// data reaches.
+    pub fn shadow_offset(&self, volume: &StageVolume, length: f64) -> f64 {
+        const ROUGHNESS_VOXELS: f64 = 2.0;
+        match self.mode() {
+            Mode::Isosurface(_) => (ROUGHNESS_VOXELS * volume.volume.grid().smallest_spacing() / length).max(1.0),
+            _ => 0.0,
         }
     }
 

@@ -37,6 +37,8 @@ struct Frame {
     // A slice: normal in voxels and offset; its world normal.
     plane: vec4<f32>,
     plane_normal: vec4<f32>,
+    // A step of a shadow ray in world lengths and in steps of rays; how many of them off the sample it begins.
+    shadows: vec4<f32>,
     // Columns that are drawn, the first of them, rays per pixel and axis, 1 for a perspective.
     size: vec4<u32>,
     // Voxels of the whole grid; nodes of the table.
@@ -67,3 +69,9 @@ struct Pass {
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> bounds: Pass;
 #endif
+
+// A position in voxels in the world.
+fn world_of(p: vec3<f32>) -> vec3<f32> {
+    let here = vec4<f32>(p, 1.0);
+    return vec3<f32>(dot(frame.world_x, here), dot(frame.world_y, here), dot(frame.world_z, here));
+}

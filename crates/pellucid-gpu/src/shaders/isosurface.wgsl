@@ -4,22 +4,10 @@
 #import pellucid::frame::frame
 #import pellucid::ray::{Ray, Segment, ray_at}
 #import pellucid::field::{field_gradient, field_value, is_present}
+#import pellucid::levels::{between, levels}
 #import pellucid::light::{lit, normal_of}
 #import pellucid::march::{State, NOWHERE}
 #import pellucid::table::over
-
-struct Level {
-    // Linear RGB and opacity.
-    color: vec4<f32>,
-    // Data value.
-    value: vec4<f32>,
-}
-
-@group(0) @binding(6) var<storage, read> levels: array<Level>;
-
-fn between(front: f32, back: f32, level: f32) -> bool {
-    return is_present(front) && is_present(back) && (front < level) != (back < level);
-}
 
 // Where the field passes `level` between two distances whose values bracket it: regula falsi with the
 // Illinois rule, and bisection when it stalls. What is absent on the way counts as beyond the surface,

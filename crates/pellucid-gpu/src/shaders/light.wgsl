@@ -2,7 +2,10 @@
 // `shading.rs`, `light.rs` and `phase`.
 #define_import_path pellucid::light
 
-#import pellucid::frame::frame
+#import pellucid::frame::{frame, world_of}
+#ifdef SHADOWED
+#import pellucid::shadow::left_of_light
+#endif
 #ifdef SCATTERED
 #import pellucid::scatter::{Scatterer, scatterer_of, phase_weight, gradient_share}
 #endif
@@ -57,9 +60,7 @@ fn incident(light: Light, p: vec3<f32>) -> Incident {
     var to_light = light.place.xyz;
     var strength = 1.0;
     if light.place.w != 0.0 {
-        let here = vec4<f32>(p, 1.0);
-        let world = vec3<f32>(dot(frame.world_x, here), dot(frame.world_y, here), dot(frame.world_z, here));
-        let path = light.place.xyz - world;
+        let path = light.place.xyz - world_of(p);
         let distance = length(path);
         if !(distance > 1e-12) {
             return Incident(vec3<f32>(0.0), vec3<f32>(0.0));
@@ -159,7 +160,11 @@ fn in_light(sample: Lit, rgba: vec4<f32>) -> vec4<f32> {
 fn lit(rgba: vec4<f32>, value: f32, p: vec3<f32>, gradient: vec3<f32>, to_eye: vec3<f32>) -> vec4<f32> {
     var sample = in_the_dark(value, gradient, to_eye);
     for (var i = 0u; i < frame.counts.x; i += 1u) {
-        add_light(&sample, lights[i], p, 1.0);
+        var left = 1.0;
+#ifdef SHADOWED
+        left = left_of_light(lights[i].place, p);
+#endif
+        add_light(&sample, lights[i], p, left);
     }
     return in_light(sample, rgba);
 }

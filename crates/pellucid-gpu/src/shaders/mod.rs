@@ -24,16 +24,18 @@ macro_rules! source {
 }
 
 /// What passes import; each only from those above it.
-const SHARED: [Source; 22] = [
+const SHARED: [Source; 24] = [
     source!("frame"),
     source!("ray"),
     source!("kernel"),
     source!("field"),
     source!("table"),
+    source!("levels"),
+    source!("skip"),
+    source!("shadow"),
     source!("scatter"),
     source!("light"),
     source!("march"),
-    source!("skip"),
     source!("surface"),
     source!("projected"),
     source!("preclassify"),
@@ -254,6 +256,8 @@ pub struct Variant {
     pub scatters_direct: bool,
     /// It does so, or all light comes, from matter alone.
     pub gated: bool,
+    /// What lies between lights and samples holds light back.
+    pub shadowed: bool,
 }
 
 impl Variant {
@@ -280,6 +284,7 @@ impl Variant {
             transport: off,
             scatters_direct: off,
             gated: off,
+            shadowed: off,
         }
     }
 
@@ -287,7 +292,7 @@ impl Variant {
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for (pass, traversal) in Pass::ALL.into_iter().flat_map(|pass| Traversal::ALL.map(|how| (pass, how))) {
-            for bits in 0..1 << 17 {
+            for bits in 0..1 << 18 {
                 let on = |bit: u32| bits >> bit & 1 == 1;
                 let variant = Self {
                     pass,
@@ -309,6 +314,7 @@ impl Variant {
                     transport: on(14),
                     scatters_direct: on(15),
                     gated: on(16),
+                    shadowed: on(17),
                 };
                 if variant == variant.canonical() {
                     all.push(variant);
@@ -358,6 +364,8 @@ impl Variant {
         self.transport &= self.indirect;
         self.scatters_direct &= self.indirect && self.pass == HalfAngleLight;
         self.gated &= self.scatters_direct;
+        // Light meets the whole volume, along rays that the eye's rays ask for.
+        self.shadowed &= self.lights() && self.pass.samples() && !slices && !self.bricks;
         self
     }
 
@@ -396,6 +404,9 @@ impl Variant {
             ("TRANSPORT", self.transport),
             ("SCATTERS_DIRECT", self.scatters_direct),
             ("GATED", self.gated),
+            ("SHADOWED", self.shadowed),
+            ("SURFACES", self.pass == Pass::Isosurface),
+            ("SEGMENTS", self.pass == Pass::PreIntegrated),
             ("EXTREMES", self.pass.compares_extremes()),
             ("MINIMUM", self.pass == Pass::Minimum),
             ("PRECLASSIFIED", self.pass == Pass::CompositePre),

@@ -1,9 +1,9 @@
 // A path of light for each pixel, from the eye to where its light came from: `path.rs` of the CPU backend. The pass:
 // rows of the picture, the number of the path; 1 if it is the first.
-#import pellucid::frame::{frame, bounds}
+#import pellucid::frame::{frame, bounds, world_of}
 #import pellucid::light::{incident, lights, normal_of}
 #import pellucid::march::{new_state, states, DONE, HIT}
-#import pellucid::paths::{collide, leave_along, paths, to_voxels, to_world, transmittance, Flight, FAR_AWAY}
+#import pellucid::paths::{collide, leave_along, paths, to_voxels, transmittance, Flight, FAR_AWAY}
 #import pellucid::random::{begin_stream, random}
 #import pellucid::ray::{beam_of, span_of}
 #import pellucid::vertex::{cloud_vertex, turned, vertex_density, vertex_light, vertex_sample, vertex_value, Vertex}
@@ -100,7 +100,7 @@ fn direct(p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
         let arriving = incident(source, p);
         direction = arriving.to_light;
         if source.place.w != 0.0 {
-            distance = length(source.place.xyz - to_world(p)) / frame.picture.w;
+            distance = length(source.place.xyz - world_of(p)) / frame.picture.w;
         }
         light = vertex_light(vertex, arriving, source.radiance.w != 0.0);
     } else {

@@ -3,7 +3,7 @@
 #define_import_path pellucid::paths
 
 #import pellucid::frame::frame
-#import pellucid::ray::{planes, nonzeros}
+#import pellucid::ray::{exit_of, nonzeros}
 #import pellucid::field::{field_value, is_present}
 #import pellucid::random::{random, random_depth}
 #import pellucid::table::classify
@@ -59,26 +59,10 @@ fn to_voxels(v: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(dot(paths.index_x.xyz, v), dot(paths.index_y.xyz, v), dot(paths.index_z.xyz, v));
 }
 
-fn to_world(p: vec3<f32>) -> vec3<f32> {
-    let here = vec4<f32>(p, 1.0);
-    return vec3<f32>(dot(frame.world_x, here), dot(frame.world_y, here), dot(frame.world_z, here));
-}
-
 // The way from a position inside, along a unit vector of the world, to where the medium ends or to `most` steps.
 fn leave_along(origin: vec3<f32>, forward: vec3<f32>, most: f32) -> Flight {
     let direction = to_voxels(forward);
-    let sides = select(frame.low.xyz, frame.high.xyz, direction > vec3<f32>(0.0));
-    // A position on a side, by rounding beyond it, has no way left there.
-    let exits = max((sides - origin) / nonzeros(direction), vec3<f32>(0.0));
-    var length = min(min(most, exits.x), min(exits.y, exits.z));
-    for (var i = 0u; i < frame.counts.y; i += 1u) {
-        let plane = planes[i];
-        let slope = dot(plane.xyz, direction);
-        if slope < 0.0 {
-            length = min(length, max((dot(plane.xyz, origin) - plane.w) / -slope, 0.0));
-        }
-    }
-    return Flight(origin, direction, length);
+    return Flight(origin, direction, min(exit_of(origin, direction), most));
 }
 
 // A walk from block to block (Amanatides and Woo 1987).

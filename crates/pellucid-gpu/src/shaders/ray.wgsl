@@ -75,6 +75,22 @@ fn span_of(origin: vec3<f32>, direction: vec3<f32>, from_t: f32, to_t: f32) -> v
     return vec2<f32>(t0, t1);
 }
 
+// How far the way from a position inside leads to where the field ends, in units of its direction.
+fn exit_of(origin: vec3<f32>, direction: vec3<f32>) -> f32 {
+    let sides = select(frame.low.xyz, frame.high.xyz, direction > vec3<f32>(0.0));
+    // A position on a side, by rounding beyond it, has no way left there.
+    let exits = max((sides - origin) / nonzeros(direction), vec3<f32>(0.0));
+    var length = min(exits.x, min(exits.y, exits.z));
+    for (var i = 0u; i < frame.counts.y; i += 1u) {
+        let plane = planes[i];
+        let slope = dot(plane.xyz, direction);
+        if slope < 0.0 {
+            length = min(length, max((dot(plane.xyz, origin) - plane.w) / -slope, 0.0));
+        }
+    }
+    return length;
+}
+
 // A ray before it is cut to the field.
 struct Beam {
     // Where it crosses the base plane, and its way of a step, in voxels; the same as a unit vector of the world.

@@ -66,3 +66,16 @@ fn over_length(rgba: vec4<f32>, ratio: f32) -> vec4<f32> {
 fn over(front: vec4<f32>, behind: vec4<f32>) -> vec4<f32> {
     return front + behind * (1.0 - front.a);
 }
+
+// The opacity of a step through a medium of one value.
+fn homogeneous(value: f32) -> f32 {
+#ifdef SEGMENTS
+    // The diagonal of the integrals over segments.
+    let position = clamped_node(value);
+    let node = min(u32(position), frame.dims.w - 2u);
+    let next = frame.dims.w + 1u;
+    return mix(entries[node * next].a, entries[(node + 1u) * next].a, position - f32(node));
+#else
+    return classify(value).a;
+#endif
+}

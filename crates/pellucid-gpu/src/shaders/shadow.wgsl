@@ -1,0 +1,81 @@
+// What is left of lights on their way to samples (6.1-1, K-03): rays to them through the medium, or through
+// isosurfaces, of which the first opaque one holds all light back. As `shadow/` of the CPU backend.
+#define_import_path pellucid::shadow
+
+#import pellucid::frame::{frame, world_of}
+#import pellucid::ray::exit_of
+#import pellucid::field::{field_value, is_present}
+#ifdef SURFACES
+#import pellucid::levels::{between, levels}
+#else
+#import pellucid::table::{homogeneous, opacity_over}
+#ifdef SKIP
+#import pellucid::skip::clear_steps
+#import pellucid::ray::nonzeros
+#endif
+#endif
+
+// Light of which so little is left is not followed to its end: a tenth of an 8-bit step.
+const DARK: f32 = 1.0 / 2560.0;
+
+// The share that comes to a position from a light at `place`: a unit vector to it, or its position if `w` is 1.
+fn left_of_light(place: vec4<f32>, p: vec3<f32>) -> f32 {
+    let step = frame.shadows.x;
+    var to_light = place.xyz;
+    var most = 1e30;
+    if place.w != 0.0 {
+        let path = place.xyz - world_of(p);
+        let distance = max(length(path), 1e-6 * step);
+        to_light = path / distance;
+        most = distance / step;
+    }
+    // Gradients turn into those of the world by the transpose of what turns the world into voxels.
+    let direction =
+        (frame.gradient_x.xyz * to_light.x + frame.gradient_y.xyz * to_light.y + frame.gradient_z.xyz * to_light.z) * step;
+    // Away from the surface that is lit: how it is turned is what `n . l` tells.
+    let away = frame.shadows.z;
+    let length = min(exit_of(p, direction), most) - away;
+    let origin = p + direction * away;
+    if !(length > 0.0) {
+        return 1.0;
+    }
+    // A remainder below the precision of positions is no segment.
+    let count = max(ceil(length - 1e-4), 1.0);
+    let last = min(length - (count - 1.0), 1.0);
+    var through = 1.0;
+#ifdef SURFACES
+    var front = field_value(origin);
+    for (var node = 1.0; node <= count + 1.0 && through > 0.0; node += 1.0) {
+        let inner = node - 1.0 + 0.5 * select(1.0, last, node >= count);
+        let back = field_value(origin + direction * select(inner, length, node > count));
+        for (var i = 0u; i < frame.counts.z; i += 1u) {
+            if between(front, back, levels[i].value.x) {
+                through *= 1.0 - levels[i].color.a;
+            }
+        }
+        front = back;
+    }
+#else
+    // Samples between two looks at the blocks.
+    const RUN: u32 = 8u;
+    var k = 0.0;
+    while k < count && through >= DARK {
+#ifdef SKIP
+        let clear = clear_steps(origin + direction * (k + 0.5 * select(1.0, last, k >= count - 1.0)), 1.0 / nonzeros(direction));
+        k += clear;
+        if clear > 0.0 {
+            continue;
+        }
+#endif
+        for (var i = 0u; i < RUN && k < count && through >= DARK; i += 1u) {
+            let ratio = select(1.0, last, k >= count - 1.0);
+            let value = field_value(origin + direction * (k + 0.5 * ratio));
+            if is_present(value) {
+                through *= 1.0 - opacity_over(homogeneous(value), ratio * frame.shadows.y);
+            }
+            k += 1.0;
+        }
+    }
+#endif
+    return through;
+}
