@@ -27,7 +27,7 @@ const NORMAL: f64 = 1e-3;
 fn wrong(stage: &Stage, frame: &Frame, pixel: usize, seen: &Seen) -> Option<String> {
     let color = frame.color[pixel].map(f64::from);
     let near = |a: f64, b: f64, bound: f64| a == b || (a - b).abs() <= bound;
-    if !(0..4).all(|channel| near(color[channel], seen.color[channel], CHANNEL)) {
+    if !(0..4).all(|channel| near(color[channel], seen.color[channel], CHANNEL + seen.doubt[channel])) {
         return Some(format!("color {color:.6?}, reference {:.6?}", seen.color));
     }
     let depth = f64::from(frame.depth[pixel]);

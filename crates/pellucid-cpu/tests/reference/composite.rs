@@ -31,12 +31,19 @@ impl Reference<'_> {
                 continue;
             }
             let world = path.ray.at(sample.distance);
-            let gradient = self.field.gradient(self.field.index(world), sample.value);
+            let p = self.field.index(world);
+            let gradient = self.field.gradient(p, sample.value);
             let base = [r / alpha, g / alpha, b / alpha];
-            let [r, g, b] = self.lit(base, world, gradient, -path.ray.direction);
+            let lit = |gradient| self.lit(base, world, gradient, -path.ray.direction);
+            let [r, g, b] = lit(gradient);
             let share = (1.0 - seen.color[3]) * alpha;
             for (channel, light) in seen.color.iter_mut().zip([r, g, b, 1.0]) {
                 *channel += share * light;
+            }
+            for other in self.field.doubtful_gradients(p, sample.value, gradient) {
+                for (channel, (a, b)) in seen.doubt.iter_mut().zip([r, g, b].into_iter().zip(lit(other))) {
+                    *channel += share * (a - b).abs();
+                }
             }
             for (half, room) in halves.iter_mut().zip([-1e-5, 1e-5]) {
                 if half.is_none() && seen.color[3] >= 0.5 + room {

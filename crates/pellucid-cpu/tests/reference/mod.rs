@@ -25,6 +25,8 @@ use path::Path;
 pub struct Seen {
     /// Associated linear RGBA.
     pub color: [f64; 4],
+    /// How much of each channel rounding decides.
+    pub doubt: [f64; 4],
     /// Distance from the eye; infinite where there is nothing. `None` if rounding decides which of
     /// two it is.
     pub depth: Option<f64>,
@@ -33,7 +35,8 @@ pub struct Seen {
 }
 
 impl Seen {
-    const NOTHING: Self = Self { color: [0.0; 4], depth: Some(f64::INFINITY), normal: Some(DVec3::ZERO) };
+    const NOTHING: Self =
+        Self { color: [0.0; 4], doubt: [0.0; 4], depth: Some(f64::INFINITY), normal: Some(DVec3::ZERO) };
 
     fn colored(color: [f64; 4]) -> Self {
         Self { color, ..Self::NOTHING }
@@ -81,6 +84,7 @@ impl<'a> Reference<'a> {
             let found = self.trace(&path)?;
             for channel in 0..4 {
                 seen.color[channel] += found.color[channel] / (n * n) as f64;
+                seen.doubt[channel] += found.doubt[channel] / (n * n) as f64;
             }
             (seen.depth, seen.normal) = match (seen.depth, found.depth) {
                 (Some(a), Some(b)) if a.is_finite() && (a - b).abs() < 1e-5 * self.stage.step => (seen.depth, None),

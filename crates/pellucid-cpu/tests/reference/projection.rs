@@ -59,7 +59,7 @@ impl Reference<'_> {
         if !(value.is_finite() && path.holds(distance, self.field.reading.slack)) {
             return Some(Seen::NOTHING);
         }
-        Some(Seen { color: self.classified(value, true), depth: Some(distance), normal: Some(normal) })
+        Some(Seen { depth: Some(distance), normal: Some(normal), ..Seen::colored(self.classified(value, true)) })
     }
 
     /// Value, distance and length of the samples that are there.
