@@ -98,8 +98,10 @@ pub struct Eye<'a, S: Lanes> {
     pub field: Any<'a, S>,
     /// Associated colours of one step.
     pub table: Lookup<'a>,
-    /// What gets through of indirect light, if that is something else.
-    pub transport: Option<Lookup<'a>>,
+    /// What gets through of indirect light over half of a slab, if that is something else.
+    pub half_transport: Option<Lookup<'a>>,
+    /// How long that is, in steps.
+    pub half: f32,
     /// How samples answer the light.
     pub surface: Surface<'a, S>,
     /// Where they are in the light's picture.
@@ -253,7 +255,7 @@ impl<S: Lanes> Eye<'_, S> {
         let place = light.place(s, texels);
         let direct = light.fetch(s, 0, &place);
         let indirect = (light.planes.len() > 1).then_some(());
-        let inside = match (self.correction, self.ways) {
+        let (inside, halves) = match (self.correction, self.ways) {
             (LightCorrection::None, _) => {
                 let indirect = match indirect {
                     Some(()) => Some(xyz!(C => light.fetch(s, C + 1, &place))),
@@ -261,19 +263,21 @@ impl<S: Lanes> Eye<'_, S> {
                 };
                 return Arriving { direct, indirect };
             }
-            (LightCorrection::HalfSlab, Ways::Same(steps)) => part * steps,
+            (LightCorrection::HalfSlab, Ways::Same(steps)) => (part * steps, part * 2.0),
             (LightCorrection::HalfSlab, Ways::From { place, step }) => {
                 let distance = self.frame.distance(s, index);
-                part * (distance / ((part + (k as f32 - place)) * step))
+                let inside = part * (distance / ((part + (k as f32 - place)) * step));
+                (inside, inside / self.half)
             }
         };
         let left = part_through(s, one - alpha, inside);
-        let indirect = match (indirect, &self.transport) {
+        let indirect = match (indirect, &self.half_transport) {
             (None, _) => None,
             (Some(()), None) => Some(xyz!(C => light.fetch(s, C + 1, &place) * left)),
             (Some(()), Some(table)) => {
-                let through = transport::through(s, table, value, one);
-                Some(xyz!(C => light.fetch(s, C + 1, &place) * part_through(s, through[C], inside)))
+                // Halfway through the slab is where most samples are.
+                let through = transport::through(s, table, value, halves);
+                Some(xyz!(C => light.fetch(s, C + 1, &place) * through[C]))
             }
         };
         Arriving { direct: direct * left, indirect }

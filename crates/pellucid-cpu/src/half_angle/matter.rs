@@ -12,6 +12,9 @@ use crate::lanes::*;
 use crate::prepare::Prepared;
 use crate::skip::SkipGrid;
 
+/// Lengths that differ by less are the same.
+const ROUNDING: f32 = 1e-6;
+
 /// Rows of texels in a band, which one thread works on at a time.
 pub const BAND: usize = 16;
 /// Texels per row in a tile of a band: where nothing is, nothing is done.
@@ -104,7 +107,9 @@ pub struct Matter<'a, S> {
     pub s: S,
     /// The field.
     pub field: Any<'a, S>,
-    /// Opacities of one step.
+    /// How far light travels in a slab, in steps.
+    pub steps: f32,
+    /// Opacities over that length.
     pub table: Lookup<'a>,
     /// What gets through of indirect light, if that is something else.
     pub transport: Option<Lookup<'a>>,
@@ -194,7 +199,10 @@ impl<S: Lanes> Matter<'_, S> {
         if !visible.any_true() {
             return;
         }
-        let corrected = ratio.simd_eq(one).select(alpha, opacity_over(s, alpha, ratio));
+        // Of the length that the tables are for: all of it, but where rays enter or leave, and of near lights.
+        let is_whole = (ratio - self.steps).abs().simd_le(splat(s, self.steps * ROUNDING));
+        let ratio = is_whole.select(one, ratio / self.steps);
+        let corrected = if is_whole.all_true() { alpha } else { is_whole.select(alpha, opacity_over(s, alpha, ratio)) };
         held[at % texels / TILE] = true;
         visible.select(corrected, zero).store_slice(&mut planes[0][at..at + width::<S>()]);
         if let Some(table) = &self.transport {

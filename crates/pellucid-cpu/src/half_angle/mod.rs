@@ -15,6 +15,7 @@ mod buffer;
 mod crossing;
 mod eye;
 mod frame;
+mod lengths;
 mod matter;
 mod sweep;
 mod transport;
@@ -37,6 +38,7 @@ use crate::surface::Surface;
 use crate::tiles::{Tile, Tiles};
 
 use eye::{Eye, EyePacket};
+pub use lengths::Lengths;
 pub use matter::Matter;
 pub use sweep::Sweep;
 
@@ -68,9 +70,17 @@ pub fn draw(
     for (place, (number, light)) in lights.iter().enumerate() {
         let geometry = Geometry::new(stage, prepared.grid(), settings, light)
             .ok_or(RenderError::LightInside { light: *number })?;
+        let lengths = Lengths::new(prepared, geometry.ways)?;
         let done = place * subs;
-        let drawing =
-            Drawing { prepared, settings, geometry: &geometry, light, lights: lights.len(), is_first: done == 0 };
+        let drawing = Drawing {
+            prepared,
+            settings,
+            geometry: &geometry,
+            lengths,
+            light,
+            lights: lights.len(),
+            is_first: done == 0,
+        };
         for sub in 0..subs {
             let report = |share: f64| control.report(((done + sub) as f64 + share) / sweeps as f64);
             dispatch!(set, s => drawing.sweep(s, sub, control, &report, tiles))?;
@@ -91,6 +101,7 @@ struct Drawing<'a> {
     prepared: &'a Prepared<'a>,
     settings: &'a HalfAngle,
     geometry: &'a Geometry,
+    lengths: Lengths,
     light: &'a ResolvedLight,
     /// How many lights there are: each sweep brings its share of what does not depend on them.
     lights: usize,
@@ -173,7 +184,8 @@ impl Drawing<'_> {
             s,
             field: prepared.any(prepared.sampler()?),
             table: Lookup::of_steps(prepared.step_table()),
-            transport: self.transport(),
+            half_transport: self.lengths.half_transport(),
+            half: self.lengths.steps * 0.5,
             surface,
             frame: &self.geometry.frame,
             ways: self.geometry.ways,
@@ -184,17 +196,14 @@ impl Drawing<'_> {
         })
     }
 
-    fn transport(&self) -> Option<Lookup<'_>> {
-        self.prepared.tables.light.transport.as_ref().map(|table| Lookup::of_rows(table.entries(), table.nodes()))
-    }
-
     fn matter<S: Lanes>(&self, s: S) -> Result<Matter<'_, S>, RenderError> {
         let prepared = self.prepared;
         Ok(Matter {
             s,
             field: prepared.any(prepared.sampler()?),
-            table: Lookup::of_steps(&prepared.tables.step_table),
-            transport: self.transport().filter(|_| self.settings.indirect > 0.0),
+            steps: self.lengths.steps,
+            table: self.lengths.opacity(),
+            transport: self.lengths.transport().filter(|_| self.settings.indirect > 0.0),
             skip: prepared.grids.skip.as_ref(),
         })
     }

@@ -106,6 +106,7 @@ fn sweep(stage: &Stage, settings: &HalfAngle, slabs: Option<usize>, look: &mut i
         light: &stage.lights[0],
         lights: 1,
         is_first: true,
+        lengths: super::Lengths::new(&prepared, geometry.ways).unwrap(),
     };
     fn run<S: Lanes>(s: S, drawing: &Drawing, slabs: Option<usize>, look: &mut impl Look) {
         let matter: Matter<S> = drawing.matter(s).unwrap();

@@ -9,9 +9,8 @@ use rayon::prelude::*;
 
 use super::Shadow;
 use crate::RenderError;
-use crate::classify::Lookup;
 use crate::field::{Bounds, Field, Probe, Trilinear};
-use crate::half_angle::{Matter, Sweep};
+use crate::half_angle::{Lengths, Matter, Sweep};
 use crate::lanes::*;
 use crate::prepare::Prepared;
 
@@ -75,12 +74,14 @@ fn sweep<S: Lanes>(
     points: &Grid,
     control: &Control,
 ) -> Result<Vec<f32>, RenderError> {
-    let Geometry { frame, slabs, .. } = geometry;
+    let Geometry { frame, slabs, ways, .. } = geometry;
     let cancelled = || control.is_cancelled();
+    let lengths = Lengths::new(prepared, *ways)?;
     let matter = Matter {
         s,
         field: prepared.any(prepared.sampler()?),
-        table: Lookup::of_steps(&prepared.tables.step_table),
+        steps: lengths.steps,
+        table: lengths.opacity(),
         transport: None,
         skip: prepared.grids.skip.as_ref(),
     };
