@@ -160,6 +160,7 @@ fn render(
         device_seconds: None,
     };
     frame.warnings.clear();
+    frame.warnings.extend(stage.fallbacks());
     if tally.visible == 0 {
         frame.warnings.push(RenderWarning::empty(rays_hit));
     }

@@ -186,6 +186,145 @@ fn light_that_is_scattered_once_is_the_integral_along_the_ray() {
     }
 }
 
+/// Whether two pictures of the same light agree in their sums.
+fn agree(a: &Frame, b: &Frame, what: &str) {
+    let sum = |frame: &Frame| frame.color.iter().map(|c| f64::from(luminance([c[0], c[1], c[2]]))).sum::<f64>();
+    let squares = a.noise.iter().chain(&b.noise).map(|v| f64::from(*v).powi(2)).sum::<f64>();
+    let z = (sum(a) - sum(b)) / squares.sqrt();
+    assert!(z.abs() < 4.0 && sum(a) > 0.0, "{what}: {} and {}, {z} deviations", sum(a), sum(b));
+}
+
+/// A point, a ball and a face beside the cube, each in its full strength at the middle of the cube.
+fn lamps(radius: f64) -> [Light; 3] {
+    let falloff = pellucid_optics::Falloff::InverseSquare { reference: 8.0 };
+    let side = radius * 2.0;
+    let edges = [[0.0, side, 0.0], [0.0, 0.0, side]];
+    [
+        Light { radius: radius.min(40.0), ..directional([1.0, 0.3, 0.2]) },
+        Light { radius, ..Light::new(LightKind::Point { position: [-4.0, 4.0, 4.0], falloff }) },
+        Light::new(LightKind::Rectangle { center: [-4.0, 4.0, 4.0], edges, two_sided: false, falloff }),
+    ]
+}
+
+#[test]
+fn lights_of_any_size_are_found_by_choice_and_by_chance_alike() {
+    let drawn = |light: Light, g: f32, samples| {
+        let settings = PathTrace { samples, bounces: 3, ..PathTrace::default() };
+        traced(cube(8), 0.15, settings, |scene| {
+            scene.lighting.lights = vec![light];
+            scene.volumes[0].scattering = scattering(Phase::HenyeyGreenstein { g }, 0.9);
+        })
+        .1
+    };
+    for (number, (large, small)) in lamps(3.0).into_iter().zip(lamps(1e-3)).enumerate() {
+        for g in [0.0, 0.85] {
+            // Lights that make no highlights are asked by choice alone.
+            let (both, choice) = (drawn(large, g, 256), drawn(Light { specular: false, ..large }, g, 256));
+            agree(&both, &choice, &format!("light {number}, g = {g}"));
+        }
+        let point = match small.kind {
+            // A face shines less to its sides, which a point does not: it is held to itself, larger.
+            LightKind::Rectangle { .. } => lamps(1e-2)[2],
+            _ => Light { radius: 0.0, ..small },
+        };
+        agree(&drawn(small, 0.5, 256), &drawn(point, 0.5, 256), &format!("light {number}, small"));
+    }
+    // Chance helps where the phase function is the narrower one.
+    let noise = |frame: &Frame| frame.noise.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>();
+    let behind = Light { radius: 60.0, ..directional([0.0, -1.0, 0.0]) };
+    let (both, choice) = (drawn(behind, 0.97, 256), drawn(Light { specular: false, ..behind }, 0.97, 256));
+    agree(&both, &choice, "a narrow lobe");
+    assert!(noise(&both) * 2.0 < noise(&choice), "{} and {}", noise(&both), noise(&choice));
+}
+
+#[test]
+fn two_suns_of_half_the_sky_are_a_furnace() {
+    let settings = PathTrace { samples: 256, ..PathTrace::default() };
+    let (_, frame) = traced(blobs(12), 0.0, settings, |scene| {
+        scene.volumes[0].transfer_function = Some(transfer_function(&[(0.0, 0x336699)], &[(0.0, 0.0), (1.0, 0.6)]));
+        scene.volumes[0].scattering = scattering(Phase::HenyeyGreenstein { g: 0.6 }, 1.0);
+        // A hemisphere of radiance 1 brings pi.
+        let half = |z| Light { radius: 90.0, ..directional([0.2, 0.1, z]) };
+        scene.lighting.lights =
+            vec![half(1.0), Light { kind: LightKind::Directional { direction: [-0.2, -0.1, -1.0] }, ..half(1.0) }];
+    });
+    agrees(mean(&frame, |c| f64::from(c[0]) + 1.0 - f64::from(c[3])), 1.0, "two halves of a furnace");
+}
+
+#[test]
+fn a_plate_casts_the_penumbra_of_the_sun() {
+    // A plate over half of the volume, and below it thin fog, on which the sun of 25 degrees shines from above.
+    const RADIUS: f64 = 25.0;
+    let (plate, fog) = (20.0, 6.0);
+    let volume = unit_volume([33, 9, 25], |p| match p.z {
+        z if z == plate && p.x < 16.5 => 1.0,
+        z if z == fog => 0.25,
+        _ => 0.0,
+    });
+    let tf = transfer_function(
+        &[(0.0, 0xffffff)],
+        &[(0.0, 0.0), (0.12, 0.0), (0.13, 0.01), (0.27, 0.01), (0.4, 0.0), (0.5, 0.0), (0.51, 1.0)],
+    );
+    let settings = PathTrace { samples: 4096, bounces: 1, ..PathTrace::default() };
+    let (stage, frame) = traced(volume, 0.0, settings, |scene| {
+        scene.volumes[0].transfer_function = Some(tf);
+        scene.volumes[0].scattering = scattering(Phase::Isotropic, 1.0);
+        scene.lighting.lights = vec![Light { radius: RADIUS, ..directional([0.0, 0.0, -1.0]) }];
+        (scene.image.width, scene.image.height) = (48, 32);
+    });
+    // The plate is opaque to halfway between its last voxel and the next; light comes by its other ends, too.
+    // The fog is as deep as the plate, and lit alike all along.
+    let visible = |x: f64| {
+        const SIDE: usize = 120;
+        const DEPTHS: usize = 32;
+        let height = 1.0 - RADIUS.to_radians().cos();
+        let past = (0..SIDE * SIDE * DEPTHS).filter(|k| {
+            let cosine = 1.0 - height * ((k % SIDE) as f64 + 0.5) / SIDE as f64;
+            let turn = 2.0 * PI * ((k / SIDE % SIDE) as f64 + 0.5) / SIDE as f64;
+            let y = 8.0 * ((k / SIDE / SIDE) as f64 + 0.5) / DEPTHS as f64;
+            let way = (1.0 - cosine * cosine).sqrt() / cosine * (plate - fog);
+            let (x, y) = (x + way * turn.cos(), y + way * turn.sin());
+            !((0.0..16.5).contains(&x) && (0.0..8.0).contains(&y))
+        });
+        past.count() as f64 / (SIDE * SIDE * DEPTHS) as f64
+    };
+    let (mut columns, mut partly) = (0, 0);
+    let full = 0.25 * 2.0 / (1.0 + RADIUS.to_radians().cos());
+    for column in 0..48 {
+        let x = stage.viewpoint.ray(column as f64 + 0.5, 16.0).origin.x;
+        if !(2.0..30.0).contains(&x) {
+            continue;
+        }
+        let rows: Vec<usize> =
+            (0..32).filter(|row| (5.0..7.0).contains(&stage.viewpoint.ray(0.5, *row as f64 + 0.5).origin.z)).collect();
+        let sum =
+            |channel: usize| rows.iter().map(|row| f64::from(frame.color[row * 48 + column][channel])).sum::<f64>();
+        let error = rows.iter().map(|row| f64::from(frame.noise[row * 48 + column]).powi(2)).sum::<f64>().sqrt();
+        let (found, expected) = (sum(0) / sum(3) / full, visible(x));
+        // The fog is a voxel thick and half sees the plate's lower side: a few hundredths.
+        assert!((found - expected).abs() < 4.0 * error / sum(3) / full + 0.04, "{x}: {found}, not {expected}");
+        columns += 1;
+        partly += usize::from((0.1..0.9).contains(&expected));
+    }
+    assert!(columns > 20 && partly > 8, "{columns} columns, {partly} in the penumbra");
+}
+
+#[test]
+fn techniques_that_draw_points_say_so() {
+    let sized = vec![directional([1.0, 0.0, 0.0]), Light { radius: 2.0, ..directional([1.0, 0.0, 0.0]) }];
+    let warnings = |technique| {
+        let drawn = stage(cube(4), homogeneous(0.2), |scene| {
+            scene.technique = technique;
+            scene.lighting.lights = sized.clone();
+        });
+        render(&drawn).warnings
+    };
+    let found = warnings(Technique::RayCast(RayCast::default()));
+    assert_eq!(found.len(), 1);
+    assert!(found[0].to_string().contains("lighting.lights[1] has a size"), "{}", found[0]);
+    assert!(warnings(Technique::PathTrace(PathTrace { samples: 4, ..PathTrace::default() })).is_empty());
+}
+
 #[test]
 fn a_point_light_and_a_spot_light_reach_what_they_shine_on() {
     // A thin cube, so that single scattering is albedo kappa P pi E over its depth.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pellucid_field::Volume;
-use pellucid_optics::{LightModel, Shadows};
+use pellucid_optics::{LightModel, ResolvedLight, Shadows};
 use pellucid_scene::{
     Control, Frame, FrameStatistics, Mode, RenderWarning, Stage, StageVolume, TableCache, Tables, Technique,
 };
@@ -116,6 +116,9 @@ impl GpuRenderer {
             Technique::PathTrace(_) | Technique::HalfAngle(_) => Some(stage.technique.name().to_owned()),
             _ if lit && stage.shadows != Shadows::None => Some(format!("lighting.shadows = {}", stage.shadows.name())),
             _ if lit && stage.light_model == LightModel::Scattering => Some("lighting.model = scattering".to_owned()),
+            _ if lit && stage.lights.iter().any(ResolvedLight::is_face) => {
+                Some("lighting.lights of kind rectangle".to_owned())
+            }
             Technique::RayCast(_) | Technique::Slicing(_) => None,
         }
     }
@@ -276,6 +279,7 @@ impl GpuRenderer {
             render_seconds: drawing.elapsed().as_secs_f64(),
             ..frame.statistics
         };
+        frame.warnings.extend(stage.fallbacks());
         if frame.statistics.samples_visible == 0 {
             frame.warnings.push(RenderWarning::empty(frame.statistics.rays_hit));
         }

@@ -56,6 +56,12 @@ pub enum OpticsError {
         /// The direction.
         found: [f64; 3],
     },
+    /// Edges of a face that are too short, too long or parallel.
+    #[error("edges of a rectangle {found:?}: expected two of finite length in world units that are not parallel")]
+    Edges {
+        /// The edges.
+        found: [[f64; 3]; 2],
+    },
     /// A name that is not in the list it should be from.
     #[error("{kind} \"{found}\" is unknown; known are: {known}")]
     Name {

@@ -33,14 +33,18 @@ fn light_key(light: &Light, error: &OpticsError) -> String {
         LightKind::Directional { .. } => "directional",
         LightKind::Point { .. } => "point",
         LightKind::Spot { .. } => "spot",
+        LightKind::Rectangle { .. } => "rectangle",
     };
     let key = match error {
         OpticsError::Direction { .. } => "direction",
+        OpticsError::Edges { .. } => "edges",
+        OpticsError::Parameter { name: "light position", .. } if kind == "rectangle" => "center",
         OpticsError::Parameter { name: "light position", .. } => "position",
         OpticsError::Parameter { name: "light reference distance", .. } => "falloff.inverse_square.reference",
         OpticsError::Parameter { name: "inner angle of a spot light", .. } => "inner_angle",
         OpticsError::Parameter { name: "outer angle of a spot light", .. } => "outer_angle",
         OpticsError::Parameter { name: "light intensity", .. } => return "intensity".to_owned(),
+        OpticsError::Parameter { name: "light radius", .. } => return "radius".to_owned(),
         _ => return String::new(),
     };
     format!("kind.{kind}.{key}")

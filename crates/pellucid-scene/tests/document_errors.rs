@@ -191,6 +191,14 @@ fn toml_errors_point_at_their_line() {
             &["lighting.lights[0].intensity", "-1"],
         ),
         (
+            "[[lighting.lights]]\n@radius = 120\nkind = { directional = { direction = [1, 0, 0] } }\n",
+            &["lighting.lights[0].radius", "120", "0 to 90 degrees"],
+        ),
+        (
+            "[[lighting.lights]]\nintensity = 1\n[lighting.lights.kind.rectangle]\ncenter = [0, 0, 0]\n@edges = [[1, 0, 0], [2, 0, 0]]\n",
+            &["lighting.lights[0].kind.rectangle.edges", "not parallel"],
+        ),
+        (
             "[[lighting.lights]]\nintensity = 1\nkind = { directional = { @direction = [0, 0, 0] } }\n",
             &["kind.directional.direction"],
         ),

@@ -217,14 +217,24 @@ fn lighting() -> impl Strategy<Value = Lighting> {
     let kind = prop_oneof![
         heading().prop_map(|direction| LightKind::Directional { direction }),
         (position(), falloff.clone()).prop_map(|(position, falloff)| LightKind::Point { position, falloff }),
-        (position(), heading(), 0.0f64..90.0, 90.0f64..180.0, falloff).prop_map(
+        (position(), heading(), 0.0f64..90.0, 90.0f64..180.0, falloff.clone()).prop_map(
             |(position, direction, inner_angle, outer_angle, falloff)| {
                 LightKind::Spot { position, direction, inner_angle, outer_angle, falloff }
             }
         ),
+        (position(), length(), any::<bool>(), falloff).prop_map(|(center, side, two_sided, falloff)| {
+            let edges = [[side, 0.0, 0.0], [0.3, 0.0, 1.0]];
+            LightKind::Rectangle { center, edges, two_sided, falloff }
+        }),
     ];
-    let light = (kind, color(), 0.0f32..100.0, select(vec![Frame::World, Frame::Camera]), any::<bool>())
-        .prop_map(|(kind, color, intensity, frame, specular)| Light { kind, color, intensity, frame, specular });
+    let frame = select(vec![Frame::World, Frame::Camera]);
+    let light = (kind, color(), 0.0f32..100.0, frame, any::<bool>(), 0.0..90.0f64).prop_map(
+        |(kind, color, intensity, frame, specular, radius)| {
+            // Rectangles have edges instead.
+            let radius = if matches!(kind, LightKind::Rectangle { .. }) { 0.0 } else { radius };
+            Light { kind, color, intensity, frame, specular, radius }
+        },
+    );
     let shadows = prop_oneof![
         Just(Shadows::None),
         (0.01..100.0f64).prop_map(|step| Shadows::Rays(ShadowRays { step })),
