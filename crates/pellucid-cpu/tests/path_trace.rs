@@ -10,7 +10,7 @@ use pellucid_cpu::{CpuRenderer, RenderError};
 use pellucid_field::Volume;
 use pellucid_optics::{
     Albedo, BackLobe, Color, Environment, Light, LightKind, Lighting, Material, Phase, PhaseTable, Scattering,
-    SurfaceShare, TableAngles, luminance,
+    SkyImage, SkyMap, SkySource, SurfaceShare, TableAngles, luminance,
 };
 use pellucid_scene::{Cancel, Control, Frame, Majorants, Mode, PathTrace, RayCast, Scene, Stage, Technique};
 
@@ -416,6 +416,61 @@ fn one_majorant_and_many_give_one_picture() {
         let looks = |frame: &Frame| frame.statistics.samples;
         assert!(looks(&local) * 2 < looks(&global), "{} looks and {}", looks(&local), looks(&global));
     }
+}
+
+/// A sky of these texels, which is read.
+fn picture(width: usize, height: usize, rotation: f64, texel: impl Fn(usize) -> [f32; 3]) -> Environment {
+    let map = SkyMap::new(width, height, (0..width * height).map(texel).collect()).unwrap();
+    let map = Some(std::sync::Arc::new(map));
+    Environment::Image(SkyImage { source: SkySource::Day, rotation, intensity: 1.0, map })
+}
+
+#[test]
+fn a_picture_of_the_sky_lights_as_its_texels_do() {
+    let drawn = |environment, lights: Vec<Light>, g: f32, bounces| {
+        let settings = PathTrace { samples: 256, bounces, environment, ..PathTrace::default() };
+        traced(blobs(12), 0.0, settings, |scene| {
+            scene.volumes[0].transfer_function = Some(transfer_function(&[(0.0, 0xffffff)], &[(0.0, 0.0), (1.0, 0.6)]));
+            scene.volumes[0].scattering = scattering(Phase::HenyeyGreenstein { g }, 1.0);
+            scene.lighting.lights = lights;
+        })
+        .1
+    };
+    let furnace = drawn(picture(16, 8, 30.0, |_| [1.0; 3]), vec![], 0.6, 1000);
+    agrees(mean(&furnace, |c| f64::from(c[1]) + 1.0 - f64::from(c[3])), 1.0, "an even picture is a furnace");
+    // One bright texel of 256 x 128, turned, is a light from there of its radiance times its solid angle over pi.
+    let [column, row] = [200, 40];
+    let [top, bottom] = [row, row + 1].map(|side| (PI * side as f64 / 128.0).cos());
+    let brightness = (PI / (2.0 * PI / 256.0 * (top - bottom))) as f32;
+    let bright = move |k: usize| if k == row * 256 + column { [brightness; 3] } else { [0.0; 3] };
+    let turn = ((column as f64 + 0.5) / 256.0 - 0.5) * 2.0 * PI - 40f64.to_radians();
+    let (z, across) = ((top + bottom) / 2.0, (1.0 - ((top + bottom) / 2.0f64).powi(2)).sqrt());
+    let sun = directional([-turn.sin() * across, -turn.cos() * across, -z]);
+    for g in [0.0, 0.7] {
+        let [sky, light] =
+            [drawn(picture(256, 128, 40.0, bright), vec![], g, 3), drawn(Environment::Dark, vec![sun], g, 3)];
+        agree(&sky, &light, "one bright texel");
+    }
+    // The gradient sky as a picture of many rows.
+    let ends = (Color::hex(0xffffff), Color::hex(0x202020));
+    let gradient = Environment::Gradient { top: ends.0, bottom: ends.1, intensity: 1.0 };
+    let [high, low] = [ends.0, ends.1].map(|color| color.to_linear(pellucid_optics::ColorSpace::Srgb)[0]);
+    let rows = move |k: usize| {
+        let z = (PI * ((k / 4) as f64 + 0.5) / 256.0).cos() as f32;
+        [low + (high - low) * (0.5 + 0.5 * z); 3]
+    };
+    agree(&drawn(gradient, vec![], 0.5, 1000), &drawn(picture(4, 256, 0.0, rows), vec![], 0.5, 1000), "a gradient");
+}
+
+#[test]
+fn a_picture_that_was_not_read_is_an_error() {
+    let source = SkySource::File("sky.exr".into());
+    let environment = Environment::Image(SkyImage { source, rotation: 0.0, intensity: 1.0, map: None });
+    let stage = stage(cube(4), homogeneous(0.5), |scene| {
+        scene.technique = Technique::PathTrace(PathTrace { environment, ..PathTrace::default() });
+    });
+    let error = CpuRenderer::new().render(&stage, &Control::default()).unwrap_err();
+    assert!(error.to_string().contains("sky.exr has not been read"), "{error}");
 }
 
 #[test]

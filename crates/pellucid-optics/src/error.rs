@@ -56,6 +56,12 @@ pub enum OpticsError {
         /// The direction.
         found: [f64; 3],
     },
+    /// A picture that cannot be the sky.
+    #[error("picture of the sky: {problem}")]
+    SkyMap {
+        /// What is wrong with it and what is expected.
+        problem: String,
+    },
     /// Edges of a face that are too short, too long or parallel.
     #[error("edges of a rectangle {found:?}: expected two of finite length in world units that are not parallel")]
     Edges {

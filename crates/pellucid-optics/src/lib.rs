@@ -38,7 +38,7 @@ pub use bend::Bend;
 pub use color::{Color, ColorSpace, luminance, srgb_decode, srgb_encode, srgb8};
 pub use colormap::ColorMap;
 pub use control_point::{ColorPoint, Interpolation, NumberPoint, OpacityPoint};
-pub use environment::{Environment, Sky};
+pub use environment::{Environment, Sky, SkyImage, SkyMap, SkySource};
 pub use error::OpticsError;
 pub use extent::{LightSample, LightSeen};
 pub use light::{Falloff, Frame, Incident, Light, LightCone, LightKind, LightShape, ResolvedLight};

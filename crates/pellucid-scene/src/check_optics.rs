@@ -84,14 +84,18 @@ pub(crate) fn scattering(path: &str, scattering: &Scattering) -> Checked {
     })
 }
 
-/// An environment is not darker than dark.
+/// An environment is within its ranges.
 pub(crate) fn environment(path: &str, environment: &Environment) -> Checked {
-    let key = match environment {
-        Environment::Dark => "",
-        Environment::Constant { .. } => "constant.intensity",
-        Environment::Gradient { .. } => "gradient.intensity",
-    };
-    environment.validate().map_err(|error| invalid(path, key, error))
+    environment.validate().map_err(|error| {
+        let key = match (environment, &error) {
+            (Environment::Dark, _) => "",
+            (Environment::Constant { .. }, _) => "constant.intensity",
+            (Environment::Gradient { .. }, _) => "gradient.intensity",
+            (Environment::Image(_), OpticsError::Parameter { name: "environment rotation", .. }) => "image.rotation",
+            (Environment::Image(_), _) => "image.intensity",
+        };
+        invalid(path, key, error)
+    })
 }
 
 /// Parameters of a filter are within their ranges.

@@ -158,6 +158,10 @@ fn toml_errors_point_at_their_line() {
             &["technique.path_trace.aperture: found -1, expected 0 or a length"],
         ),
         (
+            "[technique.path_trace.environment.image]\nsource = 'day'\n@rotation = 1e9\n",
+            &["technique.path_trace.environment.image.rotation", "degrees"],
+        ),
+        (
             "[technique.path_trace.environment.constant]\ncolor = '#ffffff'\n@intensity = -1\n",
             &["technique.path_trace.environment.constant.intensity", "-1", "0 or more"],
         ),

@@ -39,7 +39,7 @@ mod progressive;
 mod renderer;
 mod save;
 
-pub use load::{LoadError, load};
+pub use load::{LoadError, load, load_optics};
 pub use pellucid_cpu::{CpuRenderer, InstructionSet};
 pub use progressive::{Picture, Progressive, Step};
 pub use renderer::{Backend, RenderError, Renderer};

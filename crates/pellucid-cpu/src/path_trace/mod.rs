@@ -19,7 +19,7 @@ mod vertex;
 use std::sync::Arc;
 
 use pellucid_field::{Blocks, ComponentView, Gradient, Sampler, Voxels};
-use pellucid_optics::Visibility;
+use pellucid_optics::{Sky, Visibility};
 use pellucid_scene::{Control, Jitter, PathTrace, Region, Stage, StageVolume, TableCache, Tables};
 
 use crate::RenderError;
@@ -40,6 +40,7 @@ pub struct PathTracer<'s> {
     region: Region,
     tables: Arc<Tables>,
     majorants: Majorants,
+    sky: Option<Sky>,
 }
 
 /// Draws tiles.
@@ -55,7 +56,8 @@ impl<'s> PathTracer<'s> {
     /// Makes tables and bounds, or finds them in the cache.
     ///
     /// # Errors
-    /// [`RenderError::Optics`] if the data's range cannot be tabulated, [`RenderError::Field`] for a
+    /// [`RenderError::Optics`] if the data's range cannot be tabulated or the sky's picture was not read,
+    /// [`RenderError::Field`] for a
     /// filter out of range.
     pub fn new(
         stage: &'s Stage,
@@ -70,8 +72,9 @@ impl<'s> PathTracer<'s> {
         };
         let extinctions = Extinctions::new(&tables.table, volume.unit_distance());
         let visibility = Visibility::of_table(&tables.table);
+        let sky = settings.environment.resolve()?;
         let majorants = Majorants::new(ranges.as_deref(), &extinctions, &visibility);
-        Ok(Self { stage, volume, settings, region: stage.region(volume), tables, majorants })
+        Ok(Self { stage, volume, settings, region: stage.region(volume), tables, majorants, sky })
     }
 
     /// What draws. Trilinear fields of the types most data have are compiled into the loops.
@@ -125,7 +128,7 @@ impl<'s> PathTracer<'s> {
                 scattering: &self.volume.scattering,
                 material: self.volume.material.as_ref(),
                 lights: &self.stage.lights,
-                sky: self.settings.environment.resolve(),
+                sky: self.sky.as_ref(),
                 settings: self.settings,
             },
         })

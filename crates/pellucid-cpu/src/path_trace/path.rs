@@ -26,7 +26,7 @@ pub struct World<'a, F> {
     /// Lights that are somewhere.
     pub lights: &'a [ResolvedLight],
     /// Light from far away.
-    pub sky: Option<Sky>,
+    pub sky: Option<&'a Sky>,
     /// Most scatterings, and when paths may end before.
     pub settings: &'a PathTrace,
 }
@@ -135,7 +135,7 @@ impl<F: Values> World<'_, F> {
                 (direction, sample.distance, vertex.light(sample.incident).map(|v| v * share))
             }
             None => {
-                let Some(sky) = &self.sky else { return [0.0; 3] };
+                let Some(sky) = self.sky else { return [0.0; 3] };
                 let direction = sky.sample(random.pair());
                 let density = sky.pdf(direction) / sources as f32;
                 // The balance heuristic (Veach and Guibas 1995): the sky is found by scattering as well.
@@ -182,7 +182,7 @@ impl<F: Values> World<'_, F> {
 
     /// The sky where a scattered path ends, with the share that [`direct`](Self::direct) leaves it.
     fn add_sky(&self, radiance: &mut [f32; 3], throughput: [f32; 3], direction: Vec3, density: f32) {
-        if let Some(sky) = &self.sky {
+        if let Some(sky) = self.sky {
             let sources = (self.lights.len() + 1) as f32;
             let share = density / (density + sky.pdf(direction) / sources);
             add(radiance, throughput, sky.radiance(direction).map(|v| v * share));
