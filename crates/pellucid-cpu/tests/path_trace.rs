@@ -558,6 +558,43 @@ fn surfaces_are_those_of_the_ray_caster_with_shadows() {
 }
 
 #[test]
+fn surfaces_may_be_lit_in_front_of_their_own_matter() {
+    // A slab, all surface, of a value that rises inwards, lit at an angle from the eye; and a wall of a voxel that
+    // stands on it and throws a shadow.
+    let drawn = |surface_depth, heights: std::ops::Range<f64>| {
+        let volume = unit_volume([17, 13, 17], |p| match p.y {
+            y if y > 5.5 => 1.0 + 0.01 * y,
+            _ if p.z == 2.0 => 1.0,
+            _ => 0.0,
+        });
+        let settings = PathTrace { samples: 256, bounces: 1, surface_depth, ..PathTrace::default() };
+        let material = Material { diffuse: 0.8, specular: 0.0, ambient: 0.0, ..Material::default() };
+        let tf = transfer_function(&[(0.0, 0xffffff)], &[(0.0, 0.0), (0.5, 0.0), (0.51, 0.999)]);
+        let (stage, frame) = traced(volume, 0.0, settings, |scene| {
+            scene.volumes[0].transfer_function = Some(tf);
+            scene.lighting.lights = vec![directional([0.0, 1.0, 0.5])];
+            scene.volumes[0].shading = Some(true);
+            scene.volumes[0].material = Some(material);
+            let surface = SurfaceShare::Values(vec![pellucid_optics::NumberPoint::new(0.0, 1.0)]);
+            scene.volumes[0].scattering = Scattering { surface, ..Scattering::default() };
+        });
+        let at = |k: usize| stage.viewpoint.ray((k % 16) as f64 + 0.5, (k / 16) as f64 + 0.5).origin;
+        let kept = (0..256).filter(|k| (4.0..12.0).contains(&at(*k).x) && heights.contains(&at(*k).z));
+        let part = Frame { color: kept.map(|k| frame.color[k]).collect(), ..Frame::default() };
+        mean(&part, |c| f64::from(c[0]))
+    };
+    let cosine = 1.0 / 1.25f64.sqrt();
+    // Depths along the eye's ray are exponential; light travels 1 / cosine of each, less what is skipped:
+    // 1 - e^-k + e^-k * (share left beyond).
+    let share = |k: f64| 1.0 - (-k).exp() * (1.0 - 1.0 / (1.0 + 1.0 / cosine));
+    for k in [0.0f32, 1.0, 3.0] {
+        agrees(drawn(k, 8.0..14.0), 0.8 * cosine * share(f64::from(k)), &format!("{k} mean free paths"));
+        // Light passes a height of 5.5 over a depth of 2.75: the wall's shadow ends at 5.2.
+        assert!(drawn(k, 3.2..4.8).0 < 0.02, "{k} mean free paths: {:?} in the shadow", drawn(k, 3.2..4.8));
+    }
+}
+
+#[test]
 fn clips_and_holes_let_light_through() {
     let holed = unit_volume([9; 3], |p| if p.x < 3.5 { f64::NAN } else { 0.0 });
     let settings = PathTrace { samples: 64, ..PathTrace::default() };

@@ -339,20 +339,27 @@ fn path_trace() -> impl Strategy<Value = PathTrace> {
             bottom,
             intensity
         }),
+        (text(), any::<bool>(), -360.0..360.0f64, 0.0f32..9.0).prop_map(|(path, day, rotation, intensity)| {
+            let source = if day { SkySource::Day } else { SkySource::File(path.into()) };
+            Environment::Image(SkyImage { source, rotation, intensity, map: None })
+        }),
     ];
     let majorants = select(vec![Majorants::Local, Majorants::Global]);
-    let lens = (prop_oneof![Just(0.0), length()], of(length()));
+    let lens = (prop_oneof![Just(0.0), length()], of(length()), 0.0f32..=100.0);
     (1u32..=1 << 20, 0u32..=100_000, 0.0f32..=1.0, environment, lens, any::<u32>(), 0u32..=100_000, majorants).prop_map(
-        |(samples, bounces, noise, environment, (aperture, focus), seed, roulette, majorants)| PathTrace {
-            samples,
-            bounces,
-            noise,
-            environment,
-            aperture,
-            focus,
-            seed,
-            roulette,
-            majorants,
+        |(samples, bounces, noise, environment, (aperture, focus, surface_depth), seed, roulette, majorants)| {
+            PathTrace {
+                samples,
+                bounces,
+                noise,
+                environment,
+                aperture,
+                focus,
+                seed,
+                roulette,
+                surface_depth,
+                majorants,
+            }
         },
     )
 }

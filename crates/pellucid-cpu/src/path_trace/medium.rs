@@ -113,6 +113,11 @@ impl<'a> Space<'a> {
         Flight { origin, direction, length }
     }
 
+    /// The mean distance of voxels in world units.
+    pub fn voxel(&self) -> f32 {
+        self.grid.mean_spacing() as f32
+    }
+
     /// A position in the world.
     #[inline]
     pub fn world(&self, index: Vec3) -> Vec3 {

@@ -83,6 +83,11 @@ impl<F: Values> World<'_, F> {
                 scatterer: self.scattering.at(f64::from(collision.value), [r, g, b, opacity]),
                 forward,
             });
+            let at = if let Vertex::Surface(surface) = &vertex {
+                self.in_front(at, collision.value, surface.normal())
+            } else {
+                at
+            };
             let direct = self.direct(at, &vertex, random, &mut found.looks);
             add(&mut found.radiance, throughput, direct);
             forward = vertex.sample(random);
@@ -115,6 +120,18 @@ impl<F: Values> World<'_, F> {
         }
         let normal = gradient.try_normalize().map(|normal| -normal.as_vec3())?;
         Reflection::new(material, color, normal, to_eye).map(Vertex::Surface)
+    }
+
+    /// Where a surface is lit: in front of the matter that belongs to it, which is so many mean free paths deep.
+    fn in_front(&self, at: Vec3, value: f32, normal: Vec3) -> Vec3 {
+        let depth = self.settings.surface_depth;
+        if depth == 0.0 {
+            return at;
+        }
+        // No surface is told more finely than in voxels.
+        let distance = (depth / self.medium.extinctions.at(value)).min(self.medium.space.voxel());
+        let way = self.medium.space.leave(at, normal, distance);
+        way.at(way.length)
     }
 
     /// Light that comes straight from a light or from the sky, of which one is asked.
