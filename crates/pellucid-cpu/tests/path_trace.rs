@@ -676,3 +676,37 @@ fn a_lens_blurs_what_is_not_in_focus() {
     let [sharp, focused, blurred] = [edge(distance, 0.0), edge(distance, 2.0), edge(distance + 12.0, 6.0)];
     assert!(focused <= sharp + 1 && blurred >= focused + 3, "{sharp}, {focused} and {blurred} pixels");
 }
+
+#[test]
+fn few_paths_without_noise_are_nearer_to_many() {
+    // A cloud, and a surface under area lights; the sky's sun makes some paths far brighter than others.
+    let drawn = |surface: SurfaceShare, samples, denoise| {
+        let settings = PathTrace { samples, denoise, environment: WHITE, ..PathTrace::default() };
+        traced(blobs(24), 0.0, settings, |scene| {
+            let opacities = [(0.0, 0.0), (0.1, 0.0), (1.0, 0.9)];
+            scene.volumes[0].transfer_function = Some(transfer_function(&[(0.0, 0xc08040)], &opacities));
+            scene.volumes[0].shading = Some(true);
+            scene.volumes[0].material = Some(Material::default());
+            scene.volumes[0].scattering = Scattering { surface, ..scattering(Phase::Isotropic, 0.8) };
+            scene.lighting.lights = vec![Light { radius: 20.0, ..directional([1.0, 0.5, -0.5]) }];
+            (scene.image.width, scene.image.height) = (64, 64);
+        })
+        .1
+    };
+    let gradient = pellucid_optics::GradientWeight { low: 0.0, high: 0.05 };
+    for (surface, factor) in [(SurfaceShare::None, 2.0), (SurfaceShare::Gradient(gradient), 1.5)] {
+        let truth = drawn(surface.clone(), 1024, false);
+        let rmse = |frame: &Frame| {
+            let squares = frame.color.iter().zip(&truth.color);
+            let channel = |a: &[f32; 4], b: &[f32; 4]| (0..3).map(|c| f64::from(a[c] - b[c]).powi(2)).sum::<f64>();
+            (squares.map(|(a, b)| channel(a, b)).sum::<f64>() / (3 * truth.color.len()) as f64).sqrt()
+        };
+        let (noisy, smooth) = (drawn(surface.clone(), 16, false), drawn(surface, 16, true));
+        assert!(rmse(&smooth) * factor < rmse(&noisy), "{} to {}", rmse(&noisy), rmse(&smooth));
+        let sum = |frame: &Frame| frame.color.iter().map(|c| f64::from(c[1])).sum::<f64>();
+        // Bright paths are rare: what they light is more often unlike the rest than what they do not.
+        assert!((sum(&smooth) / sum(&noisy) - 1.0).abs() < 0.02, "{} and {}", sum(&noisy), sum(&smooth));
+        // Nothing else is touched.
+        assert_eq!((&smooth.noise, &smooth.depth, &smooth.samples), (&noisy.noise, &noisy.depth, &noisy.samples));
+    }
+}

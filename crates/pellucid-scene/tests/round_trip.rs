@@ -345,9 +345,18 @@ fn path_trace() -> impl Strategy<Value = PathTrace> {
         }),
     ];
     let majorants = select(vec![Majorants::Local, Majorants::Global]);
-    let lens = (prop_oneof![Just(0.0), length()], of(length()), 0.0f32..=100.0);
+    let lens = (prop_oneof![Just(0.0), length()], of(length()), 0.0f32..=100.0, any::<bool>());
     (1u32..=1 << 20, 0u32..=100_000, 0.0f32..=1.0, environment, lens, any::<u32>(), 0u32..=100_000, majorants).prop_map(
-        |(samples, bounces, noise, environment, (aperture, focus, surface_depth), seed, roulette, majorants)| {
+        |(
+            samples,
+            bounces,
+            noise,
+            environment,
+            (aperture, focus, surface_depth, denoise),
+            seed,
+            roulette,
+            majorants,
+        )| {
             PathTrace {
                 samples,
                 bounces,
@@ -358,6 +367,7 @@ fn path_trace() -> impl Strategy<Value = PathTrace> {
                 seed,
                 roulette,
                 surface_depth,
+                denoise,
                 majorants,
             }
         },

@@ -6,6 +6,7 @@
 //! (`path`). Every path has random numbers of its own (`random`), and every pixel its paths in one
 //! order: the picture is the same to the bit for any number of threads and any tiles.
 
+mod denoise;
 mod extinction;
 mod lens;
 mod majorants;
@@ -25,6 +26,7 @@ use pellucid_scene::{Control, Jitter, PathTrace, Region, Stage, StageVolume, Tab
 use crate::RenderError;
 use crate::field::Probe;
 use crate::tiles::Tile;
+pub use denoise::denoised;
 use extinction::Extinctions;
 use lens::Lens;
 use majorants::Majorants;

@@ -110,6 +110,15 @@ impl<F: Values> World<'_, F> {
         found
     }
 
+    /// The normal on a ray at a distance from the eye, towards lower values; zero where there is no surface.
+    pub fn normal(&self, ray: &Ray, distance: f32) -> [f32; 3] {
+        if !(distance.is_finite() && self.scattering.has_surfaces()) {
+            return [0.0; 3];
+        }
+        let at = self.medium.space.index(ray.origin + ray.direction * f64::from(distance));
+        (-self.probe.gradient(at).normalize_or_zero()).as_vec3().to_array()
+    }
+
     /// The surface at a collision, as often as the collision is one with a surface.
     fn surface(&self, at: Vec3, value: f32, color: [f32; 3], to_eye: Vec3, random: &mut Random) -> Option<Vertex<'_>> {
         let material = self.material.filter(|_| self.scattering.has_surfaces())?;

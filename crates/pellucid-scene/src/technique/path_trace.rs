@@ -39,6 +39,10 @@ pub struct PathTrace {
     /// a flat one, half of the light. 3 leaves a twentieth of that shadow. Walls that are thicker keep theirs, and
     /// clouds are lit where they are. Default 0, which is free of bias.
     pub surface_depth: f32,
+    /// Whether noise is taken out of the picture's colours: each becomes the mean of those around that are like it,
+    /// up to its noise, and as deep, facing alike and covered alike. That is not free of bias: where bright paths
+    /// are rare, a percent of the light is lost. The frame's noise is that of the paths. Default false.
+    pub denoise: bool,
     /// What bounds the extinction where paths look for their next collision. Default local.
     pub majorants: Majorants,
 }
@@ -55,6 +59,7 @@ impl Default for PathTrace {
             seed: 0,
             roulette: 4,
             surface_depth: 0.0,
+            denoise: false,
             majorants: Majorants::default(),
         }
     }
