@@ -112,13 +112,14 @@ fn scattering() -> impl Strategy<Value = Scattering> {
     let angles = || select(vec![TableAngles::Theta, TableAngles::Cosine]);
     // Those first whose anisotropy can vary.
     let phase =
-        (0usize..7, [G, G], 0.0f32..=1.0, angles(), entries()).prop_map(|(k, [first, second], share, at, v)| match k {
+        (0usize..8, [G, G], 0.0f32..=1.0, angles(), entries()).prop_map(|(k, [first, second], share, at, v)| match k {
             0 => Phase::HenyeyGreenstein { g: first },
             1 => Phase::Schlick { g: first },
             2 => Phase::Hybrid { g: first, back: BackLobe::new(at, v).unwrap() },
             3 => Phase::DoubleHenyeyGreenstein { first, second, share },
             4 => Phase::Table(PhaseTable::new(at, v).unwrap()),
             5 => Phase::Rayleigh,
+            6 => Phase::Table(PhaseTable::of_file(at, "mie.csv").unwrap()),
             _ => Phase::Isotropic,
         });
     let numbers = |range: std::ops::RangeInclusive<f32>| {

@@ -35,6 +35,7 @@
 //! looks like, [`scene`] what to draw, [`io`] files in and out.
 
 mod load;
+mod phase_file;
 mod progressive;
 mod renderer;
 mod save;

@@ -8,6 +8,8 @@ use pellucid_io::{Endian, IoError, RawLayout, ReadOptions, Transfer};
 use pellucid_optics::{Environment, OpticsError, SkyMap, SkySource, srgb_decode};
 use pellucid_scene::{SampleSource, Scene, Source, Technique};
 
+use crate::phase_file;
+
 /// Why the volumes of a scene cannot be loaded.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -49,6 +51,24 @@ pub enum LoadError {
         /// What is wrong with it.
         error: OpticsError,
     },
+    /// A file that is no text.
+    #[error("cannot read {}: {source}", path.display())]
+    Text {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A line of a file cannot be used.
+    #[error("{}, line {line}: {problem}", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it and what is expected.
+        problem: String,
+    },
     /// The scene expects a program to bring the voxels.
     #[error("volumes[{volume}].source is 'memory': only a program that holds the voxels can draw this scene")]
     Absent {
@@ -88,18 +108,27 @@ pub fn load(scene: &Scene, base: impl AsRef<Path>) -> Result<(Vec<Arc<Volume>>, 
     Ok((volumes, warnings))
 }
 
-/// Reads the files that the optics of a scene name, the picture of an environment, into the scene, where they
-/// stay: changes of the scene need no second reading. Relative paths start at `base`. PNG pictures are as bright
-/// as a screen shows them, white being a radiance of 1.
+/// Reads the files that the optics of a scene name, pictures of an environment and phase functions, into the scene,
+/// where they stay: changes of the scene need no second reading. Relative paths start at `base`. PNG pictures are
+/// as bright as a screen shows them, white being a radiance of 1.
 ///
 /// # Errors
-/// [`LoadError::Io`] if a file cannot be read and [`LoadError::Optics`] if it cannot be used.
+/// [`LoadError::Io`] and [`LoadError::Text`] if a file cannot be read, [`LoadError::Line`] and
+/// [`LoadError::Optics`] if it cannot be used.
 pub fn load_optics(scene: &mut Scene, base: impl AsRef<Path>) -> Result<(), LoadError> {
     if let Technique::PathTrace(settings) = &mut scene.technique
         && let Environment::Image(image) = &mut settings.environment
         && let SkySource::File(path) = &image.source
     {
         image.map = Some(Arc::new(sky(&base.as_ref().join(path))?));
+    }
+    for entry in &mut scene.volumes {
+        let phase = &mut entry.scattering.phase;
+        if let Some(file) = phase.file() {
+            let path = base.as_ref().join(file);
+            let entries = phase_file::read(&path)?;
+            phase.fill(&entries).map_err(|error| LoadError::Optics { path, error })?;
+        }
     }
     Ok(())
 }
