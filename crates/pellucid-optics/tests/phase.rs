@@ -253,9 +253,9 @@ proptest! {
 fn entries_at_uneven_cosines_are_a_phase_function() {
     // Henyey and Greenstein's lobe at angles that are close where it is steep, in no order.
     let g = 0.8f64;
-    let lobe = |mu: f64| (1.0 - g * g) / (4.0 * std::f64::consts::PI * (1.0 + g * g - 2.0 * g * mu).powf(1.5));
+    let lobe = |mu: f64| (1.0 - g * g) / (4.0 * PI * (1.0 + g * g - 2.0 * g * mu).powf(1.5));
     let mut entries: Vec<(f64, [f32; 3])> = (0..=400)
-        .map(|k| (std::f64::consts::PI * (f64::from(k) / 400.0).powi(2)).cos())
+        .map(|k| (PI * (f64::from(k) / 400.0).powi(2)).cos())
         .map(|mu| (mu, [lobe(mu) as f32 * 7.0; 3]))
         .collect();
     entries.swap(3, 300);
@@ -269,7 +269,7 @@ fn entries_at_uneven_cosines_are_a_phase_function() {
     for k in 0..COUNT {
         let u = (k as f32 + 0.5) / COUNT as f32;
         let mu = 2.0 * u - 1.0;
-        integral += f64::from(phase.eval(0.0, mu)[0]) * 4.0 * std::f64::consts::PI / COUNT as f64;
+        integral += f64::from(phase.eval(0.0, mu)[0]) * 4.0 * PI / COUNT as f64;
         mean += f64::from(phase.sample(0.0, u)) / COUNT as f64;
         let expected = lobe(f64::from(mu));
         assert!((f64::from(phase.pdf(0.0, mu)) / expected - 1.0).abs() < 3e-3, "{mu}");
