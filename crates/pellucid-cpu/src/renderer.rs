@@ -9,7 +9,7 @@ use crate::half_angle;
 use crate::integrator::{Integrator, Traced};
 use crate::lanes::{InstructionSet, MOST_LANES};
 use crate::packet::Packet;
-use crate::path_trace::PathTracer;
+use crate::path_trace::{PathTracer, denoised};
 use crate::prepare::{Cache, Prepared};
 use crate::rays::Emitter;
 use crate::tiles::{TILE, Tile, Tiles};
@@ -116,6 +116,7 @@ fn render(
     };
     let started = Instant::now();
     let drawing;
+    let mut smooth = None;
     match &stage.technique {
         Technique::RayCast(_) => {
             let prepared = Prepared::new(stage, volume, cache)?;
@@ -135,6 +136,11 @@ fn render(
             let drawer = tracer.drawer()?;
             drawing = Instant::now();
             tiles.draw(control, |tile| drawer.draw(tile, control))?;
+            if settings.denoise {
+                let mut noisy = Frame::new(stage.viewpoint.width, stage.viewpoint.height);
+                tiles.assemble(&mut noisy);
+                smooth = Some(denoised(&noisy, settings.samples, control)?);
+            }
         }
         Technique::Slicing(_) => return Err(RenderError::Technique { technique: stage.technique.name() }),
     }
@@ -143,6 +149,9 @@ fn render(
         *frame = Frame::new(view.width, view.height);
     }
     tiles.assemble(frame);
+    if let Some(color) = smooth {
+        frame.color = color;
+    }
     let (tally, rays_hit) = tiles.total();
     let rays = match stage.technique {
         Technique::PathTrace(_) => tally.paths,
@@ -160,6 +169,7 @@ fn render(
         device_seconds: None,
     };
     frame.warnings.clear();
+    frame.warnings.extend(stage.fallbacks());
     if tally.visible == 0 {
         frame.warnings.push(RenderWarning::empty(rays_hit));
     }

@@ -10,7 +10,7 @@ use pellucid_cpu::{CpuRenderer, RenderError};
 use pellucid_field::Volume;
 use pellucid_optics::{
     Albedo, BackLobe, Color, Environment, Light, LightKind, Lighting, Material, Phase, PhaseTable, Scattering,
-    SurfaceShare, TableAngles, luminance,
+    SkyImage, SkyMap, SkySource, SurfaceShare, TableAngles, luminance,
 };
 use pellucid_scene::{Cancel, Control, Frame, Majorants, Mode, PathTrace, RayCast, Scene, Stage, Technique};
 
@@ -186,6 +186,145 @@ fn light_that_is_scattered_once_is_the_integral_along_the_ray() {
     }
 }
 
+/// Whether two pictures of the same light agree in their sums.
+fn agree(a: &Frame, b: &Frame, what: &str) {
+    let sum = |frame: &Frame| frame.color.iter().map(|c| f64::from(luminance([c[0], c[1], c[2]]))).sum::<f64>();
+    let squares = a.noise.iter().chain(&b.noise).map(|v| f64::from(*v).powi(2)).sum::<f64>();
+    let z = (sum(a) - sum(b)) / squares.sqrt();
+    assert!(z.abs() < 4.0 && sum(a) > 0.0, "{what}: {} and {}, {z} deviations", sum(a), sum(b));
+}
+
+/// A point, a ball and a face beside the cube, each in its full strength at the middle of the cube.
+fn lamps(radius: f64) -> [Light; 3] {
+    let falloff = pellucid_optics::Falloff::InverseSquare { reference: 8.0 };
+    let side = radius * 2.0;
+    let edges = [[0.0, side, 0.0], [0.0, 0.0, side]];
+    [
+        Light { radius: radius.min(40.0), ..directional([1.0, 0.3, 0.2]) },
+        Light { radius, ..Light::new(LightKind::Point { position: [-4.0, 4.0, 4.0], falloff }) },
+        Light::new(LightKind::Rectangle { center: [-4.0, 4.0, 4.0], edges, two_sided: false, falloff }),
+    ]
+}
+
+#[test]
+fn lights_of_any_size_are_found_by_choice_and_by_chance_alike() {
+    let drawn = |light: Light, g: f32, samples| {
+        let settings = PathTrace { samples, bounces: 3, ..PathTrace::default() };
+        traced(cube(8), 0.15, settings, |scene| {
+            scene.lighting.lights = vec![light];
+            scene.volumes[0].scattering = scattering(Phase::HenyeyGreenstein { g }, 0.9);
+        })
+        .1
+    };
+    for (number, (large, small)) in lamps(3.0).into_iter().zip(lamps(1e-3)).enumerate() {
+        for g in [0.0, 0.85] {
+            // Lights that make no highlights are asked by choice alone.
+            let (both, choice) = (drawn(large, g, 256), drawn(Light { specular: false, ..large }, g, 256));
+            agree(&both, &choice, &format!("light {number}, g = {g}"));
+        }
+        let point = match small.kind {
+            // A face shines less to its sides, which a point does not: it is held to itself, larger.
+            LightKind::Rectangle { .. } => lamps(1e-2)[2],
+            _ => Light { radius: 0.0, ..small },
+        };
+        agree(&drawn(small, 0.5, 256), &drawn(point, 0.5, 256), &format!("light {number}, small"));
+    }
+    // Chance helps where the phase function is the narrower one.
+    let noise = |frame: &Frame| frame.noise.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>();
+    let behind = Light { radius: 60.0, ..directional([0.0, -1.0, 0.0]) };
+    let (both, choice) = (drawn(behind, 0.97, 256), drawn(Light { specular: false, ..behind }, 0.97, 256));
+    agree(&both, &choice, "a narrow lobe");
+    assert!(noise(&both) * 2.0 < noise(&choice), "{} and {}", noise(&both), noise(&choice));
+}
+
+#[test]
+fn two_suns_of_half_the_sky_are_a_furnace() {
+    let settings = PathTrace { samples: 256, ..PathTrace::default() };
+    let (_, frame) = traced(blobs(12), 0.0, settings, |scene| {
+        scene.volumes[0].transfer_function = Some(transfer_function(&[(0.0, 0x336699)], &[(0.0, 0.0), (1.0, 0.6)]));
+        scene.volumes[0].scattering = scattering(Phase::HenyeyGreenstein { g: 0.6 }, 1.0);
+        // A hemisphere of radiance 1 brings pi.
+        let half = |z| Light { radius: 90.0, ..directional([0.2, 0.1, z]) };
+        scene.lighting.lights =
+            vec![half(1.0), Light { kind: LightKind::Directional { direction: [-0.2, -0.1, -1.0] }, ..half(1.0) }];
+    });
+    agrees(mean(&frame, |c| f64::from(c[0]) + 1.0 - f64::from(c[3])), 1.0, "two halves of a furnace");
+}
+
+#[test]
+fn a_plate_casts_the_penumbra_of_the_sun() {
+    // A plate over half of the volume, and below it thin fog, on which the sun of 25 degrees shines from above.
+    const RADIUS: f64 = 25.0;
+    let (plate, fog) = (20.0, 6.0);
+    let volume = unit_volume([33, 9, 25], |p| match p.z {
+        z if z == plate && p.x < 16.5 => 1.0,
+        z if z == fog => 0.25,
+        _ => 0.0,
+    });
+    let tf = transfer_function(
+        &[(0.0, 0xffffff)],
+        &[(0.0, 0.0), (0.12, 0.0), (0.13, 0.01), (0.27, 0.01), (0.4, 0.0), (0.5, 0.0), (0.51, 1.0)],
+    );
+    let settings = PathTrace { samples: 4096, bounces: 1, ..PathTrace::default() };
+    let (stage, frame) = traced(volume, 0.0, settings, |scene| {
+        scene.volumes[0].transfer_function = Some(tf);
+        scene.volumes[0].scattering = scattering(Phase::Isotropic, 1.0);
+        scene.lighting.lights = vec![Light { radius: RADIUS, ..directional([0.0, 0.0, -1.0]) }];
+        (scene.image.width, scene.image.height) = (48, 32);
+    });
+    // The plate is opaque to halfway between its last voxel and the next; light comes by its other ends, too.
+    // The fog is as deep as the plate, and lit alike all along.
+    let visible = |x: f64| {
+        const SIDE: usize = 120;
+        const DEPTHS: usize = 32;
+        let height = 1.0 - RADIUS.to_radians().cos();
+        let past = (0..SIDE * SIDE * DEPTHS).filter(|k| {
+            let cosine = 1.0 - height * ((k % SIDE) as f64 + 0.5) / SIDE as f64;
+            let turn = 2.0 * PI * ((k / SIDE % SIDE) as f64 + 0.5) / SIDE as f64;
+            let y = 8.0 * ((k / SIDE / SIDE) as f64 + 0.5) / DEPTHS as f64;
+            let way = (1.0 - cosine * cosine).sqrt() / cosine * (plate - fog);
+            let (x, y) = (x + way * turn.cos(), y + way * turn.sin());
+            !((0.0..16.5).contains(&x) && (0.0..8.0).contains(&y))
+        });
+        past.count() as f64 / (SIDE * SIDE * DEPTHS) as f64
+    };
+    let (mut columns, mut partly) = (0, 0);
+    let full = 0.25 * 2.0 / (1.0 + RADIUS.to_radians().cos());
+    for column in 0..48 {
+        let x = stage.viewpoint.ray(column as f64 + 0.5, 16.0).origin.x;
+        if !(2.0..30.0).contains(&x) {
+            continue;
+        }
+        let rows: Vec<usize> =
+            (0..32).filter(|row| (5.0..7.0).contains(&stage.viewpoint.ray(0.5, *row as f64 + 0.5).origin.z)).collect();
+        let sum =
+            |channel: usize| rows.iter().map(|row| f64::from(frame.color[row * 48 + column][channel])).sum::<f64>();
+        let error = rows.iter().map(|row| f64::from(frame.noise[row * 48 + column]).powi(2)).sum::<f64>().sqrt();
+        let (found, expected) = (sum(0) / sum(3) / full, visible(x));
+        // The fog is a voxel thick and half sees the plate's lower side: a few hundredths.
+        assert!((found - expected).abs() < 4.0 * error / sum(3) / full + 0.04, "{x}: {found}, not {expected}");
+        columns += 1;
+        partly += usize::from((0.1..0.9).contains(&expected));
+    }
+    assert!(columns > 20 && partly > 8, "{columns} columns, {partly} in the penumbra");
+}
+
+#[test]
+fn techniques_that_draw_points_say_so() {
+    let sized = vec![directional([1.0, 0.0, 0.0]), Light { radius: 2.0, ..directional([1.0, 0.0, 0.0]) }];
+    let warnings = |technique| {
+        let drawn = stage(cube(4), homogeneous(0.2), |scene| {
+            scene.technique = technique;
+            scene.lighting.lights = sized.clone();
+        });
+        render(&drawn).warnings
+    };
+    let found = warnings(Technique::RayCast(RayCast::default()));
+    assert_eq!(found.len(), 1);
+    assert!(found[0].to_string().contains("lighting.lights[1] has a size"), "{}", found[0]);
+    assert!(warnings(Technique::PathTrace(PathTrace { samples: 4, ..PathTrace::default() })).is_empty());
+}
+
 #[test]
 fn a_point_light_and_a_spot_light_reach_what_they_shine_on() {
     // A thin cube, so that single scattering is albedo kappa P pi E over its depth.
@@ -279,6 +418,61 @@ fn one_majorant_and_many_give_one_picture() {
     }
 }
 
+/// A sky of these texels, which is read.
+fn picture(width: usize, height: usize, rotation: f64, texel: impl Fn(usize) -> [f32; 3]) -> Environment {
+    let map = SkyMap::new(width, height, (0..width * height).map(texel).collect()).unwrap();
+    let map = Some(std::sync::Arc::new(map));
+    Environment::Image(SkyImage { source: SkySource::Day, rotation, intensity: 1.0, map })
+}
+
+#[test]
+fn a_picture_of_the_sky_lights_as_its_texels_do() {
+    let drawn = |environment, lights: Vec<Light>, g: f32, bounces| {
+        let settings = PathTrace { samples: 256, bounces, environment, ..PathTrace::default() };
+        traced(blobs(12), 0.0, settings, |scene| {
+            scene.volumes[0].transfer_function = Some(transfer_function(&[(0.0, 0xffffff)], &[(0.0, 0.0), (1.0, 0.6)]));
+            scene.volumes[0].scattering = scattering(Phase::HenyeyGreenstein { g }, 1.0);
+            scene.lighting.lights = lights;
+        })
+        .1
+    };
+    let furnace = drawn(picture(16, 8, 30.0, |_| [1.0; 3]), vec![], 0.6, 1000);
+    agrees(mean(&furnace, |c| f64::from(c[1]) + 1.0 - f64::from(c[3])), 1.0, "an even picture is a furnace");
+    // One bright texel of 256 x 128, turned, is a light from there of its radiance times its solid angle over pi.
+    let [column, row] = [200, 40];
+    let [top, bottom] = [row, row + 1].map(|side| (PI * side as f64 / 128.0).cos());
+    let brightness = (PI / (2.0 * PI / 256.0 * (top - bottom))) as f32;
+    let bright = move |k: usize| if k == row * 256 + column { [brightness; 3] } else { [0.0; 3] };
+    let turn = ((column as f64 + 0.5) / 256.0 - 0.5) * 2.0 * PI - 40f64.to_radians();
+    let (z, across) = ((top + bottom) / 2.0, (1.0 - ((top + bottom) / 2.0f64).powi(2)).sqrt());
+    let sun = directional([-turn.sin() * across, -turn.cos() * across, -z]);
+    for g in [0.0, 0.7] {
+        let [sky, light] =
+            [drawn(picture(256, 128, 40.0, bright), vec![], g, 3), drawn(Environment::Dark, vec![sun], g, 3)];
+        agree(&sky, &light, "one bright texel");
+    }
+    // The gradient sky as a picture of many rows.
+    let ends = (Color::hex(0xffffff), Color::hex(0x202020));
+    let gradient = Environment::Gradient { top: ends.0, bottom: ends.1, intensity: 1.0 };
+    let [high, low] = [ends.0, ends.1].map(|color| color.to_linear(pellucid_optics::ColorSpace::Srgb)[0]);
+    let rows = move |k: usize| {
+        let z = (PI * ((k / 4) as f64 + 0.5) / 256.0).cos() as f32;
+        [low + (high - low) * (0.5 + 0.5 * z); 3]
+    };
+    agree(&drawn(gradient, vec![], 0.5, 1000), &drawn(picture(4, 256, 0.0, rows), vec![], 0.5, 1000), "a gradient");
+}
+
+#[test]
+fn a_picture_that_was_not_read_is_an_error() {
+    let source = SkySource::File("sky.exr".into());
+    let environment = Environment::Image(SkyImage { source, rotation: 0.0, intensity: 1.0, map: None });
+    let stage = stage(cube(4), homogeneous(0.5), |scene| {
+        scene.technique = Technique::PathTrace(PathTrace { environment, ..PathTrace::default() });
+    });
+    let error = CpuRenderer::new().render(&stage, &Control::default()).unwrap_err();
+    assert!(error.to_string().contains("sky.exr has not been read"), "{error}");
+}
+
 #[test]
 fn paths_that_end_at_random_bring_as_much_light() {
     let drawn = |roulette| {
@@ -364,6 +558,43 @@ fn surfaces_are_those_of_the_ray_caster_with_shadows() {
 }
 
 #[test]
+fn surfaces_may_be_lit_in_front_of_their_own_matter() {
+    // A slab, all surface, of a value that rises inwards, lit at an angle from the eye; and a wall of a voxel that
+    // stands on it and throws a shadow.
+    let drawn = |surface_depth, heights: std::ops::Range<f64>| {
+        let volume = unit_volume([17, 13, 17], |p| match p.y {
+            y if y > 5.5 => 1.0 + 0.01 * y,
+            _ if p.z == 2.0 => 1.0,
+            _ => 0.0,
+        });
+        let settings = PathTrace { samples: 256, bounces: 1, surface_depth, ..PathTrace::default() };
+        let material = Material { diffuse: 0.8, specular: 0.0, ambient: 0.0, ..Material::default() };
+        let tf = transfer_function(&[(0.0, 0xffffff)], &[(0.0, 0.0), (0.5, 0.0), (0.51, 0.999)]);
+        let (stage, frame) = traced(volume, 0.0, settings, |scene| {
+            scene.volumes[0].transfer_function = Some(tf);
+            scene.lighting.lights = vec![directional([0.0, 1.0, 0.5])];
+            scene.volumes[0].shading = Some(true);
+            scene.volumes[0].material = Some(material);
+            let surface = SurfaceShare::Values(vec![pellucid_optics::NumberPoint::new(0.0, 1.0)]);
+            scene.volumes[0].scattering = Scattering { surface, ..Scattering::default() };
+        });
+        let at = |k: usize| stage.viewpoint.ray((k % 16) as f64 + 0.5, (k / 16) as f64 + 0.5).origin;
+        let kept = (0..256).filter(|k| (4.0..12.0).contains(&at(*k).x) && heights.contains(&at(*k).z));
+        let part = Frame { color: kept.map(|k| frame.color[k]).collect(), ..Frame::default() };
+        mean(&part, |c| f64::from(c[0]))
+    };
+    let cosine = 1.0 / 1.25f64.sqrt();
+    // Depths along the eye's ray are exponential; light travels 1 / cosine of each, less what is skipped:
+    // 1 - e^-k + e^-k * (share left beyond).
+    let share = |k: f64| 1.0 - (-k).exp() * (1.0 - 1.0 / (1.0 + 1.0 / cosine));
+    for k in [0.0f32, 1.0, 3.0] {
+        agrees(drawn(k, 8.0..14.0), 0.8 * cosine * share(f64::from(k)), &format!("{k} mean free paths"));
+        // Light passes a height of 5.5 over a depth of 2.75: the wall's shadow ends at 5.2.
+        assert!(drawn(k, 3.2..4.8).0 < 0.02, "{k} mean free paths: {:?} in the shadow", drawn(k, 3.2..4.8));
+    }
+}
+
+#[test]
 fn clips_and_holes_let_light_through() {
     let holed = unit_volume([9; 3], |p| if p.x < 3.5 { f64::NAN } else { 0.0 });
     let settings = PathTrace { samples: 64, ..PathTrace::default() };
@@ -444,4 +675,38 @@ fn a_lens_blurs_what_is_not_in_focus() {
     let distance = 8.0 - stage.viewpoint.eye.y;
     let [sharp, focused, blurred] = [edge(distance, 0.0), edge(distance, 2.0), edge(distance + 12.0, 6.0)];
     assert!(focused <= sharp + 1 && blurred >= focused + 3, "{sharp}, {focused} and {blurred} pixels");
+}
+
+#[test]
+fn few_paths_without_noise_are_nearer_to_many() {
+    // A cloud, and a surface under area lights; the sky's sun makes some paths far brighter than others.
+    let drawn = |surface: SurfaceShare, samples, denoise| {
+        let settings = PathTrace { samples, denoise, environment: WHITE, ..PathTrace::default() };
+        traced(blobs(24), 0.0, settings, |scene| {
+            let opacities = [(0.0, 0.0), (0.1, 0.0), (1.0, 0.9)];
+            scene.volumes[0].transfer_function = Some(transfer_function(&[(0.0, 0xc08040)], &opacities));
+            scene.volumes[0].shading = Some(true);
+            scene.volumes[0].material = Some(Material::default());
+            scene.volumes[0].scattering = Scattering { surface, ..scattering(Phase::Isotropic, 0.8) };
+            scene.lighting.lights = vec![Light { radius: 20.0, ..directional([1.0, 0.5, -0.5]) }];
+            (scene.image.width, scene.image.height) = (64, 64);
+        })
+        .1
+    };
+    let gradient = pellucid_optics::GradientWeight { low: 0.0, high: 0.05 };
+    for (surface, factor) in [(SurfaceShare::None, 2.0), (SurfaceShare::Gradient(gradient), 1.5)] {
+        let truth = drawn(surface.clone(), 1024, false);
+        let rmse = |frame: &Frame| {
+            let squares = frame.color.iter().zip(&truth.color);
+            let channel = |a: &[f32; 4], b: &[f32; 4]| (0..3).map(|c| f64::from(a[c] - b[c]).powi(2)).sum::<f64>();
+            (squares.map(|(a, b)| channel(a, b)).sum::<f64>() / (3 * truth.color.len()) as f64).sqrt()
+        };
+        let (noisy, smooth) = (drawn(surface.clone(), 16, false), drawn(surface, 16, true));
+        assert!(rmse(&smooth) * factor < rmse(&noisy), "{} to {}", rmse(&noisy), rmse(&smooth));
+        let sum = |frame: &Frame| frame.color.iter().map(|c| f64::from(c[1])).sum::<f64>();
+        // Bright paths are rare: what they light is more often unlike the rest than what they do not.
+        assert!((sum(&smooth) / sum(&noisy) - 1.0).abs() < 0.02, "{} and {}", sum(&noisy), sum(&smooth));
+        // Nothing else is touched.
+        assert_eq!((&smooth.noise, &smooth.depth, &smooth.samples), (&noisy.noise, &noisy.depth, &noisy.samples));
+    }
 }

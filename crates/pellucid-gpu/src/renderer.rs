@@ -5,9 +5,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pellucid_field::Volume;
-use pellucid_optics::{Anisotropy, Phase, Scattering, Shadows};
+use pellucid_optics::{Anisotropy, Environment, Phase, ResolvedLight, Scattering, Shadows};
 use pellucid_scene::{
-    Control, Frame, FrameStatistics, Mode, RenderWarning, Stage, StageVolume, TableCache, Tables, Technique,
+    Control, Frame, FrameStatistics, Mode, PathTrace, RenderWarning, Stage, StageVolume, TableCache, Tables, Technique,
 };
 
 use crate::bricks::{self, Brick};
@@ -123,11 +123,10 @@ impl GpuRenderer {
             _ => false,
         };
         match &stage.technique {
-            Technique::PathTrace(_) => stage.volumes.iter().find_map(|volume| {
-                let Scattering { phase, anisotropy, .. } = &volume.scattering;
-                let varies = matches!(phase, Phase::Hybrid { .. }) && *anisotropy != Anisotropy::Uniform;
-                varies.then(|| "anisotropy of a hybrid phase function over the data in path_trace".to_owned())
-            }),
+            Technique::PathTrace(settings) => lacks_of_paths(stage, settings),
+            _ if lit && stage.lights.iter().any(ResolvedLight::is_face) => {
+                Some("lighting.lights of kind rectangle".to_owned())
+            }
             Technique::HalfAngle(_) => None,
             _ if lit && !shadows => Some(format!("lighting.shadows = {} in {name}", stage.shadows.name())),
             Technique::RayCast(_) | Technique::Slicing(_) => None,
@@ -317,11 +316,31 @@ impl GpuRenderer {
             render_seconds: drawing.elapsed().as_secs_f64(),
             ..frame.statistics
         };
+        frame.warnings.extend(stage.fallbacks());
         if frame.statistics.samples_visible == 0 {
             frame.warnings.push(RenderWarning::empty(frame.statistics.rays_hit));
         }
         Ok(())
     }
+}
+
+/// What the path tracer of this backend does not have.
+fn lacks_of_paths(stage: &Stage, settings: &PathTrace) -> Option<String> {
+    let lacks = |what: &str| Some(format!("{what} in path_trace"));
+    if stage.lights.iter().any(ResolvedLight::has_extent) {
+        return lacks("lights with a size");
+    }
+    if matches!(settings.environment, Environment::Image(_)) {
+        return lacks("image as an environment");
+    }
+    if settings.denoise || settings.surface_depth > 0.0 {
+        return lacks("denoise or surface_depth");
+    }
+    stage.volumes.iter().find_map(|volume| {
+        let Scattering { phase, anisotropy, .. } = &volume.scattering;
+        let varies = matches!(phase, Phase::Hybrid { .. }) && *anisotropy != Anisotropy::Uniform;
+        varies.then(|| lacks("anisotropy of a hybrid phase function over the data")).flatten()
+    })
 }
 
 /// What is known of a stage before anything of it is on the device.

@@ -49,7 +49,7 @@ mod world;
 pub use atomic::AtomicFile;
 pub use error::IoError;
 pub use options::{Format, Loaded, ReadOptions, WriteOptions};
-pub use picture::{Picture, PngPixels, Transfer, read_png, write_exr, write_png};
+pub use picture::{Picture, PngPixels, Transfer, read_exr, read_png, write_exr, write_png};
 pub use raw::RawLayout;
 pub use stored::{Endian, StoredType};
 pub use volumes::{read, read_bytes, write};

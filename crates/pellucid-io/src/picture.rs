@@ -3,5 +3,5 @@
 mod exr;
 mod png;
 
-pub use self::exr::write_exr;
+pub use self::exr::{read_exr, write_exr};
 pub use self::png::{Picture, PngPixels, Transfer, read_png, write_png};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use exr::prelude::{FlatSamples, read_first_flat_layer_from_file};
-use pellucid_io::{IoError, PngPixels, Transfer, read_png, write_exr, write_png};
+use pellucid_io::{IoError, PngPixels, Transfer, read_exr, read_png, write_exr, write_png};
 
 /// The chunks of a PNG by the letter of its specification: length, name, data, checksum.
 fn chunks(path: &Path) -> Vec<(String, Vec<u8>)> {
@@ -144,4 +144,40 @@ fn exr_channels_return_bit_by_bit_under_their_names() {
         let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(found), bits(expected), "{name}");
     }
+}
+
+#[test]
+fn exr_colours_return_as_light() {
+    let (_folder, path) = in_folder("a.exr");
+    let channel = |factor: f32| (0..6).map(|k| k as f32 * factor).collect::<Vec<_>>();
+    let [red, green, blue, alpha] = [1.0, 100.0, 0.01, 0.1].map(channel);
+    write_exr(&path, 3, 2, &[("B", &blue), ("R", &red), ("G", &green), ("A", &alpha), ("Z", &red)]).unwrap();
+    let picture = read_exr(&path).unwrap();
+    assert_eq!((picture.width, picture.height, picture.transfer), (3, 2, Transfer::Linear));
+    for (k, pixel) in picture.pixels.iter().enumerate() {
+        assert_eq!(*pixel, [red[k], green[k], blue[k], alpha[k]]);
+    }
+    write_exr(&path, 3, 2, &[("R", &red), ("G", &green), ("B", &blue)]).unwrap();
+    assert!(read_exr(&path).unwrap().pixels.iter().all(|pixel| pixel[3] == 1.0));
+}
+
+#[test]
+fn broken_exrs_are_errors() {
+    let (_folder, path) = in_folder("a.exr");
+    let values = vec![0.5; 64 * 64];
+    write_exr(&path, 64, 64, &[("Y", &values)]).unwrap();
+    assert!(matches!(read_exr(&path), Err(IoError::Damaged { encoding: "EXR", .. })), "no colours");
+    write_exr(&path, 64, 64, &[("R", &values), ("G", &values), ("B", &values)]).unwrap();
+    let whole = std::fs::read(&path).unwrap();
+    for length in [0, 3, 8, 100, whole.len() / 2, whole.len() - 1] {
+        std::fs::write(&path, &whole[..length]).unwrap();
+        assert!(matches!(read_exr(&path), Err(IoError::Damaged { .. })), "{length} of {} bytes", whole.len());
+    }
+    // A header that claims more than can be: the data window's far corner.
+    let window = whole.windows(10).position(|bytes| bytes == b"dataWindow").unwrap() + "dataWindow\0box2i\0".len() + 4;
+    let mut lying = whole.clone();
+    lying[window + 8..window + 16].copy_from_slice(&[0xff, 0xff, 0x0f, 0, 0xff, 0xff, 0x0f, 0]);
+    std::fs::write(&path, lying).unwrap();
+    assert!(matches!(read_exr(&path), Err(IoError::Damaged { .. } | IoError::Memory { .. })));
+    assert!(matches!(read_exr(path.with_extension("none")), Err(IoError::Io { .. })));
 }

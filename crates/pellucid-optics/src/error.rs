@@ -1,5 +1,7 @@
 //! Errors about optical properties.
 
+use std::path::PathBuf;
+
 /// Why an optical property cannot be used as given.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -55,6 +57,26 @@ pub enum OpticsError {
         name: &'static str,
         /// The direction.
         found: [f64; 3],
+    },
+    /// A file that holds no phase function, or was not read.
+    #[error("phase function {}: {problem}", file.display())]
+    PhaseFile {
+        /// The file, as the document names it.
+        file: PathBuf,
+        /// What is wrong with it and what is expected.
+        problem: String,
+    },
+    /// A picture that cannot be the sky.
+    #[error("picture of the sky: {problem}")]
+    SkyMap {
+        /// What is wrong with it and what is expected.
+        problem: String,
+    },
+    /// Edges of a face that are too short, too long or parallel.
+    #[error("edges of a rectangle {found:?}: expected two of finite length in world units that are not parallel")]
+    Edges {
+        /// The edges.
+        found: [[f64; 3]; 2],
     },
     /// A name that is not in the list it should be from.
     #[error("{kind} \"{found}\" is unknown; known are: {known}")]

@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::checked;
+use crate::extent::{Extent, Face};
 use crate::{Color, ColorSpace, OpticsError};
 
 /// What a light's position and direction are relative to.
@@ -64,6 +65,20 @@ pub enum LightKind {
         #[serde(default)]
         falloff: Falloff,
     },
+    /// From a flat face, most straight ahead and nothing along it.
+    Rectangle {
+        /// Its middle, in world units.
+        center: [f64; 3],
+        /// Its edges, in world units; it shines to the side where the first turns into the second
+        /// counterclockwise. At another angle than a right one they make a parallelogram.
+        edges: [[f64; 3]; 2],
+        /// Whether it shines to both sides; default false.
+        #[serde(default)]
+        two_sided: bool,
+        /// Default none.
+        #[serde(default)]
+        falloff: Falloff,
+    },
 }
 
 /// A light.
@@ -85,6 +100,12 @@ pub struct Light {
     /// Whether it makes highlights; default true. Fill lights do not.
     #[serde(default = "yes")]
     pub specular: bool,
+    /// The size of what shines: of a directional light the angle from the middle of its disc to the edge, in
+    /// degrees, 0 to 90 (the sun's is 0.27); of a point or spot light the radius of a ball, in world units; a
+    /// rectangle has none. Default 0, a point. Techniques other than path tracing draw the middle alone.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub radius: f64,
 }
 
 fn white() -> Color {
@@ -102,7 +123,7 @@ fn yes() -> bool {
 impl Light {
     /// A white light of intensity 1 in the world.
     pub fn new(kind: LightKind) -> Self {
-        Self { kind, color: white(), intensity: one(), frame: Frame::default(), specular: yes() }
+        Self { kind, color: white(), intensity: one(), frame: Frame::default(), specular: yes(), radius: 0.0 }
     }
 
     /// The light ready for use, in world coordinates; `world_from_camera` places the camera.
@@ -154,16 +175,43 @@ impl Light {
                 let cone = LightCone { axis: direction(d)?, inner, outer };
                 LightShape::Local { position: position(p)?, reference: reference(falloff)?, cone: Some(cone) }
             }
+            LightKind::Rectangle { center, falloff, .. } => {
+                LightShape::Local { position: position(center)?, reference: reference(falloff)?, cone: None }
+            }
         };
         let radiance = self.color.to_linear(ColorSpace::Srgb).map(|v| v * self.intensity);
-        Ok(ResolvedLight { shape, radiance, specular: self.specular })
+        Ok(ResolvedLight { shape, extent: self.extent(world)?, radiance, specular: self.specular })
+    }
+
+    /// What shines around its middle.
+    fn extent(&self, world: DAffine3) -> Result<Extent, OpticsError> {
+        let (most, expected) = match self.kind {
+            LightKind::Directional { .. } => (90.0, "0 to 90 degrees"),
+            LightKind::Point { .. } | LightKind::Spot { .. } => (1e12, "0 or a length in world units"),
+            LightKind::Rectangle { .. } => (0.0, "0, as a rectangle has edges"),
+        };
+        checked("light radius", self.radius, 0.0..=most, expected)?;
+        if let LightKind::Rectangle { edges, two_sided, .. } = self.kind {
+            let placed = edges.map(|edge| world.transform_vector3(DVec3::from_array(edge)).as_vec3());
+            let face = Face::new(placed, two_sided);
+            return face.map(Extent::Face).ok_or(OpticsError::Edges { found: edges });
+        }
+        Ok(match self.kind {
+            _ if self.radius == 0.0 => Extent::Point,
+            LightKind::Directional { .. } => {
+                Extent::Disc { sine_squared: self.radius.to_radians().sin().powi(2) as f32 }
+            }
+            _ => Extent::Ball { radius: self.radius as f32 },
+        })
     }
 }
 
 /// A light in world coordinates and linear light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResolvedLight {
-    shape: LightShape,
+    /// Of its middle.
+    pub(crate) shape: LightShape,
+    pub(crate) extent: Extent,
     radiance: [f32; 3],
     specular: bool,
 }
@@ -215,7 +263,7 @@ impl ResolvedLight {
         matches!(self.shape, LightShape::Directional { .. })
     }
 
-    /// Where it is and where it shines.
+    /// Where it is and where it shines; its middle, if it has a size.
     pub fn shape(&self) -> LightShape {
         self.shape
     }
@@ -230,9 +278,22 @@ impl ResolvedLight {
         self.specular
     }
 
-    /// The light at a point of the world, if nothing is in between.
+    /// The light at a point of the world, if nothing is in between. All of a light that has a size comes from
+    /// its middle.
     pub fn incident(&self, at: Vec3) -> Incident {
-        let (to_light, strength) = match self.shape {
+        let (to_light, strength) = self.towards(at);
+        let seen = if let Extent::Face(face) = self.extent { face.cosine(to_light) } else { 1.0 };
+        self.arriving(to_light, strength * seen)
+    }
+
+    /// This light, from somewhere and by a factor weaker.
+    pub(crate) fn arriving(&self, to_light: Vec3, strength: f32) -> Incident {
+        Incident { to_light, radiance: self.radiance.map(|v| v * strength), specular: self.specular }
+    }
+
+    /// The unit vector to its middle, and how much of its strength is left from there, straight ahead.
+    pub(crate) fn towards(&self, at: Vec3) -> (Vec3, f32) {
+        match self.shape {
             LightShape::Directional { to_light } => (to_light, 1.0),
             LightShape::Local { position, reference, cone } => {
                 let path = position - at;
@@ -247,8 +308,7 @@ impl ResolvedLight {
                     (to_light, falloff * cone.map_or(1.0, |cone| cone.strength(-to_light)))
                 }
             }
-        };
-        Incident { to_light, radiance: self.radiance.map(|v| v * strength), specular: self.specular }
+        }
     }
 }
 

@@ -38,6 +38,11 @@ impl Reflection {
         })
     }
 
+    /// The side of the surface that is seen: a unit vector.
+    pub fn normal(&self) -> Vec3 {
+        self.normal
+    }
+
     /// What is seen of a light.
     #[inline]
     pub fn light(&self, light: Incident) -> [f32; 3] {

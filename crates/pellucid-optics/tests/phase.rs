@@ -3,7 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::Vec3;
-use pellucid_optics::{BackLobe, OpticsError, Phase, PhaseNormalization, PhaseTable, TableAngles, turned};
+use pellucid_optics::{
+    BackLobe, OpticsError, Phase, PhaseEntries, PhaseNormalization, PhaseTable, TableAngles, turned,
+};
 use proptest::prelude::*;
 
 fn cosine(degrees: f64) -> f32 {
@@ -245,4 +247,42 @@ proptest! {
         prop_assert!(phase.eval(*g, mu).iter().all(|v| v.is_finite() && *v >= 0.0));
         prop_assert!(phase.pdf(*g, phase.sample(*g, u)) > 0.0);
     }
+}
+
+#[test]
+fn entries_at_uneven_cosines_are_a_phase_function() {
+    // Henyey and Greenstein's lobe at angles that are close where it is steep, in no order.
+    let g = 0.8f64;
+    let lobe = |mu: f64| (1.0 - g * g) / (4.0 * PI * (1.0 + g * g - 2.0 * g * mu).powf(1.5));
+    let mut entries: Vec<(f64, [f32; 3])> = (0..=400)
+        .map(|k| (PI * (f64::from(k) / 400.0).powi(2)).cos())
+        .map(|mu| (mu, [lobe(mu) as f32 * 7.0; 3]))
+        .collect();
+    entries.swap(3, 300);
+    let mut table = PhaseTable::of_file(TableAngles::Theta, "mie.csv").unwrap();
+    assert!(table.is_unread());
+    table.fill(&PhaseEntries::At(entries.clone())).unwrap();
+    assert!(!table.is_unread());
+    let phase = Phase::Table(table.clone());
+    const COUNT: usize = 200_000;
+    let (mut integral, mut mean) = (0.0, 0.0);
+    for k in 0..COUNT {
+        let u = (k as f32 + 0.5) / COUNT as f32;
+        let mu = 2.0 * u - 1.0;
+        integral += f64::from(phase.eval(0.0, mu)[0]) * 4.0 * PI / COUNT as f64;
+        mean += f64::from(phase.sample(0.0, u)) / COUNT as f64;
+        let expected = lobe(f64::from(mu));
+        assert!((f64::from(phase.pdf(0.0, mu)) / expected - 1.0).abs() < 3e-3, "{mu}");
+    }
+    assert!((integral - 1.0).abs() < 1e-4, "{integral}");
+    assert!((mean - g).abs() < 1e-3, "{mean}");
+
+    let refused =
+        |entries: Vec<(f64, [f32; 3])>| table.clone().fill(&PhaseEntries::At(entries)).unwrap_err().to_string();
+    let one = [1.0; 3];
+    assert!(refused(vec![(1.0, one), (0.0, one)]).contains("mie.csv: its cosines go from 1 to 0"));
+    assert!(refused(vec![(1.0, one), (0.0, one), (0.0, one), (-1.0, one)]).contains("two entries of cosine 0"));
+    assert!(refused(vec![(1.0, one)]).contains("2 to 65,536"));
+    assert!(refused(vec![(1.0, [0.0; 3]), (-1.0, [0.0; 3])]).contains("more than 0"));
+    assert!(refused(vec![(1.0, [f32::NAN; 3]), (-1.0, one)]).contains("phase table value"));
 }

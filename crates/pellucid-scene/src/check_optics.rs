@@ -33,14 +33,18 @@ fn light_key(light: &Light, error: &OpticsError) -> String {
         LightKind::Directional { .. } => "directional",
         LightKind::Point { .. } => "point",
         LightKind::Spot { .. } => "spot",
+        LightKind::Rectangle { .. } => "rectangle",
     };
     let key = match error {
         OpticsError::Direction { .. } => "direction",
+        OpticsError::Edges { .. } => "edges",
+        OpticsError::Parameter { name: "light position", .. } if kind == "rectangle" => "center",
         OpticsError::Parameter { name: "light position", .. } => "position",
         OpticsError::Parameter { name: "light reference distance", .. } => "falloff.inverse_square.reference",
         OpticsError::Parameter { name: "inner angle of a spot light", .. } => "inner_angle",
         OpticsError::Parameter { name: "outer angle of a spot light", .. } => "outer_angle",
         OpticsError::Parameter { name: "light intensity", .. } => return "intensity".to_owned(),
+        OpticsError::Parameter { name: "light radius", .. } => return "radius".to_owned(),
         _ => return String::new(),
     };
     format!("kind.{kind}.{key}")
@@ -80,14 +84,18 @@ pub(crate) fn scattering(path: &str, scattering: &Scattering) -> Checked {
     })
 }
 
-/// An environment is not darker than dark.
+/// An environment is within its ranges.
 pub(crate) fn environment(path: &str, environment: &Environment) -> Checked {
-    let key = match environment {
-        Environment::Dark => "",
-        Environment::Constant { .. } => "constant.intensity",
-        Environment::Gradient { .. } => "gradient.intensity",
-    };
-    environment.validate().map_err(|error| invalid(path, key, error))
+    environment.validate().map_err(|error| {
+        let key = match (environment, &error) {
+            (Environment::Dark, _) => "",
+            (Environment::Constant { .. }, _) => "constant.intensity",
+            (Environment::Gradient { .. }, _) => "gradient.intensity",
+            (Environment::Image(_), OpticsError::Parameter { name: "environment rotation", .. }) => "image.rotation",
+            (Environment::Image(_), _) => "image.intensity",
+        };
+        invalid(path, key, error)
+    })
 }
 
 /// Parameters of a filter are within their ranges.

@@ -159,6 +159,10 @@ impl Scene {
         if let Some(crop) = &entry.crop {
             keep_crop(&mut region, volume.grid(), crop);
         }
+        if let Some(file) = entry.scattering.phase.file().filter(|_| entry.scattering.phase.is_unread()) {
+            let error = OpticsError::PhaseFile { file: file.to_owned(), problem: "it has not been read".to_owned() };
+            return Err(ResolveError::Optics { path: format!("volumes[{k}].scattering.phase"), error });
+        }
         let path = format!("volumes[{k}]");
         let look = auto::look(entry, &volume, self.technique.mode(), choices)
             .map_err(|error| ResolveError::Optics { path, error })?;

@@ -3,7 +3,9 @@
 use glam::DVec3;
 use pellucid_optics::{ShadowRays, Shadows};
 
-use crate::{Classification, HalfAngle, Mode, PathTrace, Region, Slice, Slicing, Stage, StageVolume, Technique};
+use crate::{
+    Classification, HalfAngle, Mode, PathTrace, Region, RenderWarning, Slice, Slicing, Stage, StageVolume, Technique,
+};
 
 impl Stage {
     /// What is made of the samples.
@@ -63,6 +65,17 @@ impl Stage {
         asked
             && matches!(self.mode(), Mode::Composite)
             && !matches!(self.technique, Technique::PathTrace(_) | Technique::HalfAngle(_))
+    }
+
+    /// What the technique draws otherwise than the scene asks for: only paths find the size of a light.
+    pub fn fallbacks(&self) -> impl Iterator<Item = RenderWarning> {
+        let by_paths = matches!(self.technique, Technique::PathTrace(_));
+        let sized = self.lights.iter().enumerate().filter(move |(_, light)| !by_paths && light.has_extent());
+        sized.map(|(number, _)| {
+            let name = self.technique.name();
+            let reason = format!("lighting.lights[{number}] has a size, which {name} does not draw: its middle shines");
+            RenderWarning::Fallback { reason }
+        })
     }
 
     /// The clips of a volume and, for a thick slice, the planes of its slab.

@@ -158,6 +158,10 @@ fn toml_errors_point_at_their_line() {
             &["technique.path_trace.aperture: found -1, expected 0 or a length"],
         ),
         (
+            "[technique.path_trace.environment.image]\nsource = 'day'\n@rotation = 1e9\n",
+            &["technique.path_trace.environment.image.rotation", "degrees"],
+        ),
+        (
             "[technique.path_trace.environment.constant]\ncolor = '#ffffff'\n@intensity = -1\n",
             &["technique.path_trace.environment.constant.intensity", "-1", "0 or more"],
         ),
@@ -189,6 +193,14 @@ fn toml_errors_point_at_their_line() {
         (
             "[[lighting.lights]]\n@intensity = -1\nkind = { directional = { direction = [1, 0, 0] } }\n",
             &["lighting.lights[0].intensity", "-1"],
+        ),
+        (
+            "[[lighting.lights]]\n@radius = 120\nkind = { directional = { direction = [1, 0, 0] } }\n",
+            &["lighting.lights[0].radius", "120", "0 to 90 degrees"],
+        ),
+        (
+            "[[lighting.lights]]\nintensity = 1\n[lighting.lights.kind.rectangle]\ncenter = [0, 0, 0]\n@edges = [[1, 0, 0], [2, 0, 0]]\n",
+            &["lighting.lights[0].kind.rectangle.edges", "not parallel"],
         ),
         (
             "[[lighting.lights]]\nintensity = 1\nkind = { directional = { @direction = [0, 0, 0] } }\n",

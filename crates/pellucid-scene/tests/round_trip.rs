@@ -112,13 +112,14 @@ fn scattering() -> impl Strategy<Value = Scattering> {
     let angles = || select(vec![TableAngles::Theta, TableAngles::Cosine]);
     // Those first whose anisotropy can vary.
     let phase =
-        (0usize..7, [G, G], 0.0f32..=1.0, angles(), entries()).prop_map(|(k, [first, second], share, at, v)| match k {
+        (0usize..8, [G, G], 0.0f32..=1.0, angles(), entries()).prop_map(|(k, [first, second], share, at, v)| match k {
             0 => Phase::HenyeyGreenstein { g: first },
             1 => Phase::Schlick { g: first },
             2 => Phase::Hybrid { g: first, back: BackLobe::new(at, v).unwrap() },
             3 => Phase::DoubleHenyeyGreenstein { first, second, share },
             4 => Phase::Table(PhaseTable::new(at, v).unwrap()),
             5 => Phase::Rayleigh,
+            6 => Phase::Table(PhaseTable::of_file(at, "mie.csv").unwrap()),
             _ => Phase::Isotropic,
         });
     let numbers = |range: std::ops::RangeInclusive<f32>| {
@@ -217,14 +218,24 @@ fn lighting() -> impl Strategy<Value = Lighting> {
     let kind = prop_oneof![
         heading().prop_map(|direction| LightKind::Directional { direction }),
         (position(), falloff.clone()).prop_map(|(position, falloff)| LightKind::Point { position, falloff }),
-        (position(), heading(), 0.0f64..90.0, 90.0f64..180.0, falloff).prop_map(
+        (position(), heading(), 0.0f64..90.0, 90.0f64..180.0, falloff.clone()).prop_map(
             |(position, direction, inner_angle, outer_angle, falloff)| {
                 LightKind::Spot { position, direction, inner_angle, outer_angle, falloff }
             }
         ),
+        (position(), length(), any::<bool>(), falloff).prop_map(|(center, side, two_sided, falloff)| {
+            let edges = [[side, 0.0, 0.0], [0.3, 0.0, 1.0]];
+            LightKind::Rectangle { center, edges, two_sided, falloff }
+        }),
     ];
-    let light = (kind, color(), 0.0f32..100.0, select(vec![Frame::World, Frame::Camera]), any::<bool>())
-        .prop_map(|(kind, color, intensity, frame, specular)| Light { kind, color, intensity, frame, specular });
+    let frame = select(vec![Frame::World, Frame::Camera]);
+    let light = (kind, color(), 0.0f32..100.0, frame, any::<bool>(), 0.0..90.0f64).prop_map(
+        |(kind, color, intensity, frame, specular, radius)| {
+            // Rectangles have edges instead.
+            let radius = if matches!(kind, LightKind::Rectangle { .. }) { 0.0 } else { radius };
+            Light { kind, color, intensity, frame, specular, radius }
+        },
+    );
     let shadows = prop_oneof![
         Just(Shadows::None),
         (0.01..100.0f64).prop_map(|step| Shadows::Rays(ShadowRays { step })),
@@ -329,20 +340,37 @@ fn path_trace() -> impl Strategy<Value = PathTrace> {
             bottom,
             intensity
         }),
+        (text(), any::<bool>(), -360.0..360.0f64, 0.0f32..9.0).prop_map(|(path, day, rotation, intensity)| {
+            let source = if day { SkySource::Day } else { SkySource::File(path.into()) };
+            Environment::Image(SkyImage { source, rotation, intensity, map: None })
+        }),
     ];
     let majorants = select(vec![Majorants::Local, Majorants::Global]);
-    let lens = (prop_oneof![Just(0.0), length()], of(length()));
+    let lens = (prop_oneof![Just(0.0), length()], of(length()), 0.0f32..=100.0, any::<bool>());
     (1u32..=1 << 20, 0u32..=100_000, 0.0f32..=1.0, environment, lens, any::<u32>(), 0u32..=100_000, majorants).prop_map(
-        |(samples, bounces, noise, environment, (aperture, focus), seed, roulette, majorants)| PathTrace {
+        |(
             samples,
             bounces,
             noise,
             environment,
-            aperture,
-            focus,
+            (aperture, focus, surface_depth, denoise),
             seed,
             roulette,
             majorants,
+        )| {
+            PathTrace {
+                samples,
+                bounces,
+                noise,
+                environment,
+                aperture,
+                focus,
+                seed,
+                roulette,
+                surface_depth,
+                denoise,
+                majorants,
+            }
         },
     )
 }

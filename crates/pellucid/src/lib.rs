@@ -35,11 +35,12 @@
 //! looks like, [`scene`] what to draw, [`io`] files in and out.
 
 mod load;
+mod phase_file;
 mod progressive;
 mod renderer;
 mod save;
 
-pub use load::{LoadError, load};
+pub use load::{LoadError, load, load_optics};
 pub use pellucid_cpu::{CpuRenderer, InstructionSet};
 pub use progressive::{Picture, Progressive, Step};
 pub use renderer::{Backend, RenderError, Renderer};

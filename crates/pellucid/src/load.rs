@@ -1,11 +1,14 @@
-//! The volumes of a scene, from wherever they come.
+//! What a scene needs from elsewhere: its volumes and the pictures that light it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pellucid_field::{FieldError, Grid, Volume, Warning, closed_form};
-use pellucid_io::{Endian, IoError, RawLayout, ReadOptions};
-use pellucid_scene::{SampleSource, Scene, Source};
+use pellucid_io::{Endian, IoError, RawLayout, ReadOptions, Transfer};
+use pellucid_optics::{Environment, OpticsError, SkyMap, SkySource, srgb_decode};
+use pellucid_scene::{SampleSource, Scene, Source, Technique};
+
+use crate::phase_file;
 
 /// Why the volumes of a scene cannot be loaded.
 #[derive(Debug, thiserror::Error)]
@@ -39,6 +42,32 @@ pub enum LoadError {
         volume: usize,
         /// Bytes needed.
         bytes: usize,
+    },
+    /// A file holds what optics cannot be made of.
+    #[error("{}: {error}", path.display())]
+    Optics {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        error: OpticsError,
+    },
+    /// A file that is no text.
+    #[error("cannot read {}: {source}", path.display())]
+    Text {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A line of a file cannot be used.
+    #[error("{}, line {line}: {problem}", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it and what is expected.
+        problem: String,
     },
     /// The scene expects a program to bring the voxels.
     #[error("volumes[{volume}].source is 'memory': only a program that holds the voxels can draw this scene")]
@@ -77,6 +106,40 @@ pub fn load(scene: &Scene, base: impl AsRef<Path>) -> Result<(Vec<Arc<Volume>>, 
         volumes.push(Arc::new(volume));
     }
     Ok((volumes, warnings))
+}
+
+/// Reads the files that the optics of a scene name, pictures of an environment and phase functions, into the scene,
+/// where they stay: changes of the scene need no second reading. Relative paths start at `base`. PNG pictures are
+/// as bright as a screen shows them, white being a radiance of 1.
+///
+/// # Errors
+/// [`LoadError::Io`] and [`LoadError::Text`] if a file cannot be read, [`LoadError::Line`] and
+/// [`LoadError::Optics`] if it cannot be used.
+pub fn load_optics(scene: &mut Scene, base: impl AsRef<Path>) -> Result<(), LoadError> {
+    if let Technique::PathTrace(settings) = &mut scene.technique
+        && let Environment::Image(image) = &mut settings.environment
+        && let SkySource::File(path) = &image.source
+    {
+        image.map = Some(Arc::new(sky(&base.as_ref().join(path))?));
+    }
+    for entry in &mut scene.volumes {
+        let phase = &mut entry.scattering.phase;
+        if let Some(file) = phase.file() {
+            let path = base.as_ref().join(file);
+            let entries = phase_file::read(&path)?;
+            phase.fill(&entries).map_err(|error| LoadError::Optics { path, error })?;
+        }
+    }
+    Ok(())
+}
+
+fn sky(path: &Path) -> Result<SkyMap, LoadError> {
+    let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
+    let picture = if is_exr { pellucid_io::read_exr(path)? } else { pellucid_io::read_png(path)? };
+    let linear = |v: f32| if picture.transfer == Transfer::Srgb { srgb_decode(v) } else { v };
+    let texels = picture.pixels.iter().map(|[r, g, b, _]| [*r, *g, *b].map(linear)).collect();
+    SkyMap::new(picture.width as usize, picture.height as usize, texels)
+        .map_err(|error| LoadError::Optics { path: path.to_owned(), error })
 }
 
 fn read(path: &Path, options: &ReadOptions, warnings: &mut Vec<Warning>) -> Result<Volume, LoadError> {

@@ -22,6 +22,11 @@ impl Lens {
         Self { view: Viewpoint { shift: DVec2::ZERO, ..*view }, aperture: settings.aperture, focus }
     }
 
+    /// The ray through the middle of a pixel, and of the lens.
+    pub fn middle(&self, x: usize, y: usize) -> Ray {
+        self.view.ray(x as f64 + 0.5, y as f64 + 0.5)
+    }
+
     /// A ray through a random point of a pixel, and of the lens.
     pub fn ray(&self, x: usize, y: usize, random: &mut Random) -> Ray {
         let [right, down] = random.pair().map(f64::from);

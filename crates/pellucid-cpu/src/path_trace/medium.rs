@@ -113,6 +113,16 @@ impl<'a> Space<'a> {
         Flight { origin, direction, length }
     }
 
+    /// The mean distance of voxels in world units.
+    pub fn voxel(&self) -> f32 {
+        self.grid.mean_spacing() as f32
+    }
+
+    /// A position of the world in index space.
+    pub fn index(&self, world: DVec3) -> DVec3 {
+        self.grid.index_from_world().transform_point3(world)
+    }
+
     /// A position in the world.
     #[inline]
     pub fn world(&self, index: Vec3) -> Vec3 {

@@ -6,6 +6,7 @@
 //! (`path`). Every path has random numbers of its own (`random`), and every pixel its paths in one
 //! order: the picture is the same to the bit for any number of threads and any tiles.
 
+mod denoise;
 mod extinction;
 mod lens;
 mod majorants;
@@ -19,11 +20,13 @@ mod vertex;
 use std::sync::Arc;
 
 use pellucid_field::{ComponentView, Gradient, Sampler, Voxels};
+use pellucid_optics::Sky;
 use pellucid_scene::{Control, Jitter, MajorantGrid, PathTrace, Region, Stage, StageVolume, TableCache, Tables};
 
 use crate::RenderError;
 use crate::field::Probe;
 use crate::tiles::Tile;
+pub use denoise::denoised;
 use extinction::Extinctions;
 use lens::Lens;
 use medium::{Medium, Space};
@@ -38,6 +41,7 @@ pub struct PathTracer<'s> {
     region: Region,
     tables: Arc<Tables>,
     majorants: MajorantGrid,
+    sky: Option<Sky>,
 }
 
 /// Draws tiles.
@@ -53,7 +57,8 @@ impl<'s> PathTracer<'s> {
     /// Makes tables and bounds, or finds them in the cache.
     ///
     /// # Errors
-    /// [`RenderError::Optics`] if the data's range cannot be tabulated, [`RenderError::Field`] for a
+    /// [`RenderError::Optics`] if the data's range cannot be tabulated or the sky's picture was not read,
+    /// [`RenderError::Field`] for a
     /// filter out of range.
     pub fn new(
         stage: &'s Stage,
@@ -63,7 +68,8 @@ impl<'s> PathTracer<'s> {
     ) -> Result<Self, RenderError> {
         let tables = cache.tables(stage, volume)?;
         let majorants = cache.majorants(&tables, volume, settings.majorants)?;
-        Ok(Self { stage, volume, settings, region: stage.region(volume), tables, majorants })
+        let sky = settings.environment.resolve()?;
+        Ok(Self { stage, volume, settings, region: stage.region(volume), tables, majorants, sky })
     }
 
     /// What draws. Trilinear fields of the types most data have are compiled into the loops.
@@ -117,7 +123,7 @@ impl<'s> PathTracer<'s> {
                 scattering: &self.volume.scattering,
                 material: self.volume.material.as_ref(),
                 lights: &self.stage.lights,
-                sky: self.settings.environment.resolve(),
+                sky: self.sky.as_ref(),
                 settings: self.settings,
             },
         })

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use pellucid_field::Sampler;
-use pellucid_optics::{LightShape, Material, Reflection, ResolvedLight, Scattering, Sky, Table};
+use pellucid_optics::{Material, PhaseNormalization, Reflection, ResolvedLight, Scattering, Sky, Table};
 use pellucid_scene::{PathTrace, Ray};
 
 use super::medium::{Flight, Medium};
@@ -23,10 +23,10 @@ pub struct World<'a, F> {
     pub scattering: &'a Scattering,
     /// How surfaces in it reflect, if there are any.
     pub material: Option<&'a Material>,
-    /// Lights of no extent.
+    /// Lights that are somewhere.
     pub lights: &'a [ResolvedLight],
     /// Light from far away.
-    pub sky: Option<Sky>,
+    pub sky: Option<&'a Sky>,
     /// Most scatterings, and when paths may end before.
     pub settings: &'a PathTrace,
 }
@@ -54,7 +54,12 @@ impl<F: Values> World<'_, F> {
         // Density with which the last scattering chose the direction.
         let mut density = 0.0;
         for scatterings in 0.. {
-            let Some(collision) = self.medium.collide(&flight, random, &mut found.looks) else {
+            let collision = self.medium.collide(&flight, random, &mut found.looks);
+            if scatterings > 0 {
+                let way = collision.as_ref().map_or(f32::INFINITY, |collision| collision.distance);
+                self.add_lights(&mut found.radiance, throughput, &flight, forward, way, density);
+            }
+            let Some(collision) = collision else {
                 if scatterings > 0 {
                     self.add_sky(&mut found.radiance, throughput, forward, density);
                 }
@@ -78,6 +83,11 @@ impl<F: Values> World<'_, F> {
                 scatterer: self.scattering.at(f64::from(collision.value), [r, g, b, opacity]),
                 forward,
             });
+            let at = if let Vertex::Surface(surface) = &vertex {
+                self.in_front(at, collision.value, surface.normal())
+            } else {
+                at
+            };
             let direct = self.direct(at, &vertex, random, &mut found.looks);
             add(&mut found.radiance, throughput, direct);
             forward = vertex.sample(random);
@@ -100,6 +110,15 @@ impl<F: Values> World<'_, F> {
         found
     }
 
+    /// The normal on a ray at a distance from the eye, towards lower values; zero where there is no surface.
+    pub fn normal(&self, ray: &Ray, distance: f32) -> [f32; 3] {
+        if !(distance.is_finite() && self.scattering.has_surfaces()) {
+            return [0.0; 3];
+        }
+        let at = self.medium.space.index(ray.origin + ray.direction * f64::from(distance));
+        (-self.probe.gradient(at).normalize_or_zero()).as_vec3().to_array()
+    }
+
     /// The surface at a collision, as often as the collision is one with a surface.
     fn surface(&self, at: Vec3, value: f32, color: [f32; 3], to_eye: Vec3, random: &mut Random) -> Option<Vertex<'_>> {
         let material = self.material.filter(|_| self.scattering.has_surfaces())?;
@@ -112,6 +131,18 @@ impl<F: Values> World<'_, F> {
         Reflection::new(material, color, normal, to_eye).map(Vertex::Surface)
     }
 
+    /// Where a surface is lit: in front of the matter that belongs to it, which is so many mean free paths deep.
+    fn in_front(&self, at: Vec3, value: f32, normal: Vec3) -> Vec3 {
+        let depth = self.settings.surface_depth;
+        if depth == 0.0 {
+            return at;
+        }
+        // No surface is told more finely than in voxels.
+        let distance = (depth / self.medium.extinctions.at(value)).min(self.medium.space.voxel());
+        let way = self.medium.space.leave(at, normal, distance);
+        way.at(way.length)
+    }
+
     /// Light that comes straight from a light or from the sky, of which one is asked.
     #[inline]
     fn direct(&self, at: Vec3, vertex: &Vertex, random: &mut Random, looks: &mut u32) -> [f32; 3] {
@@ -122,12 +153,15 @@ impl<F: Values> World<'_, F> {
         let chosen = ((random.number() * sources as f32) as usize).min(sources - 1);
         let (direction, distance, light) = match self.lights.get(chosen) {
             Some(light) => {
-                let position = self.medium.space.world(at);
-                let incident = light.incident(position);
-                (incident.to_light, distance_to(light, position), vertex.light(incident))
+                let u = if light.has_extent() { random.pair() } else { [0.0; 2] };
+                let sample = light.sample(self.medium.space.world(at), u);
+                let direction = sample.incident.to_light;
+                let others = if self.is_met(light) { vertex.pdf(direction) * sources as f32 } else { 0.0 };
+                let share = 1.0 / (1.0 + others / sample.density);
+                (direction, sample.distance, vertex.light(sample.incident).map(|v| v * share))
             }
             None => {
-                let Some(sky) = &self.sky else { return [0.0; 3] };
+                let Some(sky) = self.sky else { return [0.0; 3] };
                 let direction = sky.sample(random.pair());
                 let density = sky.pdf(direction) / sources as f32;
                 // The balance heuristic (Veach and Guibas 1995): the sky is found by scattering as well.
@@ -144,9 +178,37 @@ impl<F: Values> World<'_, F> {
         light.map(|v| v * through * sources as f32)
     }
 
+    /// Whether a light is found by scattering as well. Paths that scatter carry what all lights bring: highlights,
+    /// which a light may not make, and the share of light that is physical.
+    fn is_met(&self, light: &ResolvedLight) -> bool {
+        let physical = self.scattering.phase_normalization == PhaseNormalization::Physical;
+        light.has_extent() && light.is_specular() && physical
+    }
+
+    /// The lights that a scattered path meets before its next collision, which is `way` off, with the share that
+    /// [`direct`](Self::direct) leaves them. Nothing hides behind a light.
+    fn add_lights(
+        &self,
+        radiance: &mut [f32; 3],
+        throughput: [f32; 3],
+        flight: &Flight,
+        direction: Vec3,
+        way: f32,
+        density: f32,
+    ) {
+        let sources = (self.lights.len() + usize::from(self.sky.is_some())) as f32;
+        for light in self.lights.iter().filter(|light| self.is_met(light)) {
+            let seen = light.seen(self.medium.space.world(flight.origin), direction);
+            if let Some(seen) = seen.filter(|seen| seen.distance <= way) {
+                let share = density / (density + seen.density / sources);
+                add(radiance, throughput, seen.radiance.map(|v| v * share));
+            }
+        }
+    }
+
     /// The sky where a scattered path ends, with the share that [`direct`](Self::direct) leaves it.
     fn add_sky(&self, radiance: &mut [f32; 3], throughput: [f32; 3], direction: Vec3, density: f32) {
-        if let Some(sky) = &self.sky {
+        if let Some(sky) = self.sky {
             let sources = (self.lights.len() + 1) as f32;
             let share = density / (density + sky.pdf(direction) / sources);
             add(radiance, throughput, sky.radiance(direction).map(|v| v * share));
@@ -158,13 +220,5 @@ impl<F: Values> World<'_, F> {
 fn add(sum: &mut [f32; 3], throughput: [f32; 3], light: [f32; 3]) {
     for channel in 0..3 {
         sum[channel] += throughput[channel] * light[channel];
-    }
-}
-
-/// How far a light is.
-fn distance_to(light: &ResolvedLight, position: Vec3) -> f32 {
-    match light.shape() {
-        LightShape::Directional { .. } => f32::INFINITY,
-        LightShape::Local { position: light, .. } => position.distance(light),
     }
 }

@@ -106,7 +106,8 @@ impl<F: Values> Paths<'_, F> {
         let middle = depths.len().div_ceil(2) - 1;
         let (_, depth, _) = depths.select_nth_unstable_by(middle, f32::total_cmp);
         let color = [r, g, b, (f64::from(collided) / count) as f32];
-        let found = Found { color, depth: *depth, normal: [0.0; 3], samples: looks };
+        let normal = self.world.normal(&self.lens.middle(x, y), *depth);
+        let found = Found { color, depth: *depth, normal, samples: looks };
         let noise = brightness.standard_error() as f32;
         Ok(Pixel { found, noise, paths: brightness.count, met, collided })
     }

@@ -127,6 +127,7 @@ fn light() -> impl Strategy<Value = (Material, Vec<Light>, Option<GradientWeight
             intensity,
             frame: if camera && matches!(kind, LightKind::Directional { .. }) { Frame::Camera } else { Frame::World },
             specular,
+            radius: 0.0,
         },
     );
     let weight = prop_oneof![

@@ -71,11 +71,12 @@ impl<'a> PathTracer<'a> {
         let trace = pipelines.get(device, Variant { pass: Pass::PathTrace, ..bindings.variant })?.clone();
         let pixels = pipelines.get(device, Variant { pass: Pass::PathTracePixels, ..bindings.variant })?.clone();
         let grid = volume.volume.grid();
+        let numbers = Paths::new(stage, grid, settings, majorants)?;
         let pairs = majorants.values.iter().zip(&majorants.distances);
         let blocks: Vec<[f32; 2]> =
             pairs.map(|(extinction, distance)| [extinction * stage.step as f32, f32::from(*distance)]).collect();
         Ok(Self {
-            numbers: device.constant_buffer("paths", bytes_of(&Paths::new(stage, grid, settings, majorants))),
+            numbers: device.constant_buffer("paths", bytes_of(&numbers)),
             majorants: storage(device, "majorants", &blocks),
             device,
             resident,

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use pellucid_field::Grid;
-use pellucid_optics::Sky;
+use pellucid_optics::{OpticsError, Sky};
 use pellucid_scene::{Jitter, MajorantGrid, PathTrace, Stage};
 
 use crate::uniforms::four;
@@ -28,7 +28,15 @@ pub struct Paths {
 
 impl Paths {
     /// Of a stage that looks at a grid.
-    pub fn new(stage: &Stage, grid: &Grid, settings: &PathTrace, majorants: &MajorantGrid) -> Self {
+    ///
+    /// # Errors
+    /// As [`pellucid_optics::Environment::resolve`].
+    pub fn new(
+        stage: &Stage,
+        grid: &Grid,
+        settings: &PathTrace,
+        majorants: &MajorantGrid,
+    ) -> Result<Self, OpticsError> {
         let view = &stage.viewpoint;
         let frames = match stage.quality.jitter {
             Jitter::Centered => 0,
@@ -42,8 +50,8 @@ impl Paths {
         let size = majorants.size.min(1e9);
         let rows = grid.index_from_world().matrix3.transpose() * stage.step;
         let [index_x, index_y, index_z] = [rows.x_axis, rows.y_axis, rows.z_axis].map(|row: DVec3| four(row, 0.0));
-        let (top, bottom) = settings.environment.resolve().as_ref().map_or(([0.0; 4], [0.0; 4]), sky);
-        Self {
+        let (top, bottom) = sky(settings.environment.resolve()?);
+        Ok(Self {
             counts: [settings.seed, frames, settings.samples, settings.bounces],
             more: [settings.roulette, x, y, z],
             numbers: [settings.noise, in_steps(settings.aperture), in_steps(focus), size],
@@ -54,12 +62,16 @@ impl Paths {
             index_z,
             lens_right: four(view.right, 0.0),
             lens_up: four(view.up, 0.0),
-        }
+        })
     }
 }
 
 /// Its ends, with the slope of its brightness, and that it is there.
-fn sky(sky: &Sky) -> (Four, Four) {
-    let [[r, g, b], [red, green, blue]] = [DVec3::Z, DVec3::NEG_Z].map(|way| sky.radiance(way.as_vec3()));
-    ([r, g, b, sky.slope()], [red, green, blue, 1.0])
+fn sky(sky: Option<Sky>) -> (Four, Four) {
+    match sky {
+        Some(Sky::Gradient { top: [r, g, b], bottom: [red, green, blue], slope }) => {
+            ([r, g, b, slope], [red, green, blue, 1.0])
+        }
+        _ => ([0.0; 4], [0.0; 4]),
+    }
 }

@@ -1,10 +1,53 @@
 //! OpenEXR files.
 
+use std::io::Cursor;
 use std::path::Path;
 
-use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels, ReadLayers, Vec2,
+    WritableImage,
+};
 
+use super::{Picture, Transfer};
+use crate::source::Source;
 use crate::{AtomicFile, IoError};
+
+/// Most pixels that are read: 1 GiB of RGBA.
+const MOST_PIXELS: u64 = 1 << 26;
+
+/// Reads the first layer of an EXR that has channels `R`, `G` and `B`, and perhaps `A`, as 32-bit floats of
+/// linear light, as they are.
+///
+/// # Errors
+/// [`IoError::Io`], [`IoError::Damaged`] if it is not an EXR, broken or without these channels, and
+/// [`IoError::Memory`] for more than 2^26 pixels.
+pub fn read_exr(path: impl AsRef<Path>) -> Result<Picture, IoError> {
+    let path = path.as_ref();
+    let source = Source::open(path)?;
+    let damaged = |reason: String| IoError::Damaged { path: path.to_owned(), encoding: "EXR", reason };
+    // Headers lie: a picture that is too large is not allocated, and its pixels go nowhere.
+    let fits = |size: Vec2<usize>| (size.width() as u64).saturating_mul(size.height() as u64) <= MOST_PIXELS;
+    let create = |size: Vec2<usize>, _: &_| {
+        let pixels = if fits(size) { vec![[0.0f32; 4]; size.area()] } else { Vec::new() };
+        (size, pixels)
+    };
+    let store =
+        |(size, pixels): &mut (Vec2<usize>, Vec<[f32; 4]>), at: Vec2<usize>, (r, g, b, a): (f32, f32, f32, f32)| {
+            if let Some(pixel) = pixels.get_mut(at.y() * size.width() + at.x()) {
+                *pixel = [r, g, b, a];
+            }
+        };
+    let reader = exr::prelude::read().no_deep_data().largest_resolution_level().rgba_channels(create, store);
+    let read = reader.first_valid_layer().all_attributes().from_buffered(Cursor::new(source.bytes()));
+    let image = read.map_err(|error| damaged(error.to_string()))?;
+    let (size, pixels) = image.layer_data.channel_data.pixels;
+    if !fits(size) {
+        let bytes = (size.width() as u64).saturating_mul(size.height() as u64).saturating_mul(16);
+        return Err(IoError::Memory { path: path.to_owned(), bytes });
+    }
+    let [width, height] = [size.width(), size.height()].map(|n| n as u32);
+    Ok(Picture { width, height, pixels, transfer: Transfer::Linear })
+}
 
 /// Writes a single-layer EXR of 32-bit floating point channels, compressed without loss. Each
 /// channel has a name (`R`, `G`, `B`, `A`, `Z`, `N.X`, ...) and one value per pixel, rows from the

@@ -34,7 +34,7 @@ pub struct Picture {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// RGBA in 0..=1 as stored (not premultiplied, not decoded), rows from the top.
+    /// RGBA as stored, rows from the top: of a PNG in 0..=1, not premultiplied and not decoded.
     pub pixels: Vec<[f32; 4]>,
     /// What the file says of its numbers; sRGB where it says nothing.
     pub transfer: Transfer,

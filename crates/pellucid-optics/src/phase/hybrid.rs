@@ -2,11 +2,13 @@
 //! has about a thousandth of the forward peak, but is the only thing to be seen around the shadow of
 //! the eye.
 
+use std::path::{Path, PathBuf};
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::henyey_greenstein;
-use super::table::{Lobe, TableAngles};
+use super::table::{Document, Lobe, PhaseEntries, TableAngles};
 use crate::OpticsError;
 
 /// Values from 90 to 180 degrees for each colour, which are added, over the largest of them, to
@@ -14,37 +16,26 @@ use crate::OpticsError;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "Document", into = "Document")]
 pub struct BackLobe {
-    uniform_in: TableAngles,
-    values: Vec<[f32; 3]>,
+    document: Document,
     lobe: Lobe,
-}
-
-/// The lobe as it stands in a document, before it is checked.
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(rename = "BackLobe")]
-struct Document {
-    /// Where the entries are: angles from 90 to 180 degrees, or cosines from -1 to 0. Default theta.
-    #[serde(default)]
-    uniform_in: TableAngles,
-    /// Linear red, green and blue, not negative; 2 to 65,536 entries, ends included.
-    #[schemars(length(min = 2, max = 65536))]
-    values: Vec<[f32; 3]>,
 }
 
 impl TryFrom<Document> for BackLobe {
     type Error = OpticsError;
 
-    fn try_from(Document { uniform_in, values }: Document) -> Result<Self, OpticsError> {
-        Self::new(uniform_in, values)
+    fn try_from(document: Document) -> Result<Self, OpticsError> {
+        Ok(Self { lobe: document.lobe(BACK)?, document })
     }
 }
 
 impl From<BackLobe> for Document {
-    fn from(BackLobe { uniform_in, values, .. }: BackLobe) -> Self {
-        Self { uniform_in, values }
+    fn from(back: BackLobe) -> Self {
+        back.document
     }
 }
+
+/// The cosines of what is thrown back, in the order of angles.
+const BACK: [f64; 2] = [0.0, -1.0];
 
 impl BackLobe {
     /// A lobe of these values, at angles from 90 to 180 degrees or cosines from -1 to 0.
@@ -52,8 +43,34 @@ impl BackLobe {
     /// # Errors
     /// As [`PhaseTable::new`](super::PhaseTable::new).
     pub fn new(uniform_in: TableAngles, values: Vec<[f32; 3]>) -> Result<Self, OpticsError> {
-        let lobe = Lobe::new(uniform_in, &values, [0.0, -1.0])?;
-        Ok(Self { uniform_in, values, lobe })
+        Self::try_from(Document { uniform_in, values, file: None })
+    }
+
+    /// A lobe whose entries are in a file, even until they are [`fill`](Self::fill)ed in.
+    ///
+    /// # Errors
+    /// None: the file is not read here.
+    pub fn of_file(uniform_in: TableAngles, file: impl Into<PathBuf>) -> Result<Self, OpticsError> {
+        Self::try_from(Document { uniform_in, values: Vec::new(), file: Some(file.into()) })
+    }
+
+    /// The file that holds the entries, if one does.
+    pub fn file(&self) -> Option<&Path> {
+        self.document.file.as_deref()
+    }
+
+    /// Whether its file has yet to be read.
+    pub fn is_unread(&self) -> bool {
+        self.document.file.is_some() && !self.lobe.is_filled
+    }
+
+    /// Takes the entries of its file.
+    ///
+    /// # Errors
+    /// As [`PhaseTable::fill`](super::PhaseTable::fill).
+    pub fn fill(&mut self, entries: &PhaseEntries) -> Result<(), OpticsError> {
+        self.lobe = self.document.filled(entries, BACK)?;
+        Ok(())
     }
 
     #[inline]

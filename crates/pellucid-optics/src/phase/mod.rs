@@ -5,6 +5,7 @@
 //! all directions, in each channel.
 
 use std::f32::consts::{PI, TAU};
+use std::path::Path;
 
 use glam::Vec3;
 use schemars::JsonSchema;
@@ -20,7 +21,7 @@ mod schlick;
 mod table;
 
 pub use hybrid::BackLobe;
-pub use table::{PhaseTable, TableAngles};
+pub use table::{PhaseEntries, PhaseTable, TableAngles};
 
 /// The strongest anisotropy: beyond it single precision resolves the peak no longer.
 pub const MOST_ANISOTROPY: f32 = 0.99;
@@ -101,6 +102,36 @@ impl Phase {
                 g("second", second)?;
                 checked("share", share as f64, 0.0..=1.0, "0 to 1")
             }
+        }
+    }
+
+    /// The file that holds its entries, if one does.
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Table(table) => table.file(),
+            Self::Hybrid { back, .. } => back.file(),
+            _ => None,
+        }
+    }
+
+    /// Whether its file has yet to be read.
+    pub fn is_unread(&self) -> bool {
+        match self {
+            Self::Table(table) => table.is_unread(),
+            Self::Hybrid { back, .. } => back.is_unread(),
+            _ => false,
+        }
+    }
+
+    /// Takes the entries of its file; nothing changes without one.
+    ///
+    /// # Errors
+    /// As [`PhaseTable::fill`].
+    pub fn fill(&mut self, entries: &PhaseEntries) -> Result<(), OpticsError> {
+        match self {
+            Self::Table(table) if table.file().is_some() => table.fill(entries),
+            Self::Hybrid { back, .. } if back.file().is_some() => back.fill(entries),
+            _ => Ok(()),
         }
     }
 

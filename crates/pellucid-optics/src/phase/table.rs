@@ -1,6 +1,7 @@
 //! Phase functions as tables by angle (6.2-2, 6.2-5, 6.2-7).
 
 use std::f32::consts::{PI, TAU};
+use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -14,9 +15,7 @@ use crate::error::checked;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "Document", into = "Document")]
 pub struct PhaseTable {
-    uniform_in: TableAngles,
-    /// As given, from the first angle on.
-    values: Vec<[f32; 3]>,
+    document: Document,
     lobe: Lobe,
 }
 
@@ -31,32 +30,56 @@ pub enum TableAngles {
     Cosine,
 }
 
-/// The table as it stands in a document, before it is checked.
-#[derive(Serialize, Deserialize, JsonSchema)]
+/// The table as it stands in a document, before it is checked: with values or a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "PhaseTable")]
-struct Document {
-    /// Where the entries are. Default theta.
+pub(super) struct Document {
+    /// Where the entries are: from 0 to 180 degrees or from cosine -1 to 1; of what is added to a lobe, from 90 to
+    /// 180 degrees or from cosine -1 to 0. Default theta.
     #[serde(default)]
-    uniform_in: TableAngles,
+    pub uniform_in: TableAngles,
     /// Linear red, green and blue, not negative; 2 to 65,536 entries, ends included.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(min = 2, max = 65536))]
-    values: Vec<[f32; 3]>,
+    pub values: Vec<[f32; 3]>,
+    /// A file with the entries; a relative path starts at the scene's folder. A CSV file has lines of an angle in
+    /// degrees, or of a cosine if none is beyond -1 to 1, and one number or three; of a PNG file the first row
+    /// is read.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+}
+
+impl Document {
+    /// The lobe between two cosines; isotropic until a file is read.
+    pub fn lobe(&self, ends: [f64; 2]) -> Result<Lobe, OpticsError> {
+        match (&self.file, self.values.as_slice()) {
+            (None, values) => Lobe::new(self.uniform_in, values, ends),
+            (Some(_), []) => Lobe::new(self.uniform_in, &[[1.0; 3]; 2], ends),
+            (Some(file), _) => {
+                let problem = "it has values besides: expected one of both".to_owned();
+                Err(OpticsError::PhaseFile { file: file.clone(), problem })
+            }
+        }
+    }
 }
 
 impl TryFrom<Document> for PhaseTable {
     type Error = OpticsError;
 
-    fn try_from(Document { uniform_in, values }: Document) -> Result<Self, OpticsError> {
-        Self::new(uniform_in, values)
+    fn try_from(document: Document) -> Result<Self, OpticsError> {
+        Ok(Self { lobe: document.lobe(WHOLE)?, document })
     }
 }
 
 impl From<PhaseTable> for Document {
-    fn from(PhaseTable { uniform_in, values, .. }: PhaseTable) -> Self {
-        Self { uniform_in, values }
+    fn from(table: PhaseTable) -> Self {
+        table.document
     }
 }
+
+/// The cosines of all directions, in the order of angles.
+const WHOLE: [f64; 2] = [1.0, -1.0];
 
 impl PhaseTable {
     /// A table of these values, at angles from 0 to 180 degrees or cosines from -1 to 1.
@@ -65,8 +88,34 @@ impl PhaseTable {
     /// [`OpticsError::Parameter`] unless there are 2 to 65,536 entries, none negative, and every colour
     /// has some light.
     pub fn new(uniform_in: TableAngles, values: Vec<[f32; 3]>) -> Result<Self, OpticsError> {
-        let lobe = Lobe::new(uniform_in, &values, [1.0, -1.0])?;
-        Ok(Self { uniform_in, values, lobe })
+        Self::try_from(Document { uniform_in, values, file: None })
+    }
+
+    /// A table whose entries are in a file, isotropic until they are [`fill`](Self::fill)ed in.
+    ///
+    /// # Errors
+    /// None: the file is not read here.
+    pub fn of_file(uniform_in: TableAngles, file: impl Into<PathBuf>) -> Result<Self, OpticsError> {
+        Self::try_from(Document { uniform_in, values: Vec::new(), file: Some(file.into()) })
+    }
+
+    /// The file that holds the entries, if one does.
+    pub fn file(&self) -> Option<&Path> {
+        self.document.file.as_deref()
+    }
+
+    /// Whether its file has yet to be read.
+    pub fn is_unread(&self) -> bool {
+        self.document.file.is_some() && !self.lobe.is_filled
+    }
+
+    /// Takes the entries of its file.
+    ///
+    /// # Errors
+    /// As [`PhaseTable::new`], and [`OpticsError::PhaseFile`] for angles that do not go from end to end.
+    pub fn fill(&mut self, entries: &PhaseEntries) -> Result<(), OpticsError> {
+        self.lobe = self.document.filled(entries, WHOLE)?;
+        Ok(())
     }
 
     /// Share per steradian, for each colour.
@@ -91,10 +140,38 @@ impl PhaseTable {
     }
 }
 
+/// The entries of a table's file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PhaseEntries {
+    /// Evenly spaced, as the table says.
+    Even(Vec<[f32; 3]>),
+    /// At cosines, in any order.
+    At(Vec<(f64, [f32; 3])>),
+}
+
+impl Document {
+    /// The lobe between two cosines that a file describes.
+    pub fn filled(&self, entries: &PhaseEntries, ends: [f64; 2]) -> Result<Lobe, OpticsError> {
+        let lobe = match entries {
+            PhaseEntries::Even(values) => Lobe::new(self.uniform_in, values, ends)?,
+            PhaseEntries::At(entries) => Lobe::at(entries, ends).map_err(|error| match error {
+                OpticsError::PhaseFile { problem, .. } => {
+                    OpticsError::PhaseFile { file: self.file.clone().unwrap_or_default(), problem }
+                }
+                other => other,
+            })?,
+        };
+        Ok(Lobe { is_filled: true, ..lobe })
+    }
+}
+
 /// A function of the cosine between two bounds, piecewise linear, nothing outside.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Lobe {
-    uniform_in: TableAngles,
+    /// `None` if the entries are where they are.
+    uniform_in: Option<TableAngles>,
+    /// Whether a file was read.
+    pub is_filled: bool,
     /// The lowest and the highest cosine.
     bounds: [f32; 2],
     /// Angle of the first entry and entries per radian, or cosine and entries per unit of cosine.
@@ -119,9 +196,6 @@ impl Lobe {
     ) -> Result<Self, OpticsError> {
         let count = values.len();
         checked("number of phase table entries", count as f64, 2.0..=65_536.0, "2 to 65,536")?;
-        for value in values.iter().flatten() {
-            checked("phase table value", f64::from(*value), 0.0..=1e30, "0 to 1e30")?;
-        }
         let steps = (count - 1) as f64;
         let (origin, range) = match uniform_in {
             TableAngles::Theta => (first.acos(), last.acos() - first.acos()),
@@ -131,7 +205,37 @@ impl Lobe {
             let place = origin + range * entry as f64 / steps;
             if uniform_in == TableAngles::Theta { place.cos() } else { place }
         };
-        let cosines: Vec<f64> = (0..count).map(cosine).collect();
+        let lobe = Self::between((0..count).map(cosine).collect(), values)?;
+        Ok(Self { uniform_in: Some(uniform_in), origin: origin as f32, scale: (steps / range) as f32, ..lobe })
+    }
+
+    /// Entries at cosines, which must reach from the first to the last of these.
+    fn at(entries: &[(f64, [f32; 3])], [first, last]: [f64; 2]) -> Result<Self, OpticsError> {
+        checked("number of phase table entries", entries.len() as f64, 2.0..=65_536.0, "2 to 65,536")?;
+        let mut entries = entries.to_vec();
+        entries.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        let refused = |problem| Err(OpticsError::PhaseFile { file: PathBuf::new(), problem });
+        if let Some(pair) = entries.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            return refused(format!("it has two entries of cosine {}", pair[0].0));
+        }
+        let found = [entries[0].0, entries[entries.len() - 1].0];
+        // A hundredth of a degree at right angles; files are rounded.
+        if !((found[0] - first).abs() < 2e-4 && (found[1] - last).abs() < 2e-4) {
+            let problem = format!("its cosines go from {} to {}: expected from {first} to {last}", found[0], found[1]);
+            return refused(problem);
+        }
+        let (mut cosines, values): (Vec<f64>, Vec<[f32; 3]>) = entries.into_iter().unzip();
+        let end = cosines.len() - 1;
+        (cosines[0], cosines[end]) = (first, last);
+        Self::between(cosines, &values)
+    }
+
+    /// Values at cosines that ascend or descend from end to end.
+    fn between(cosines: Vec<f64>, values: &[[f32; 3]]) -> Result<Self, OpticsError> {
+        for value in values.iter().flatten() {
+            checked("phase table value", f64::from(*value), 0.0..=1e30, "0 to 1e30")?;
+        }
+        let ends = [cosines[0], cosines[cosines.len() - 1]].map(|mu| mu as f32);
         let values = values.iter().map(|value| value.map(f64::from));
         let mut values: Vec<[f64; 3]> = values.collect();
         let mut integrals = [0.0; 3];
@@ -154,10 +258,11 @@ impl Lobe {
             cumulative.push(sum as f32);
         }
         Ok(Self {
-            uniform_in,
-            bounds: [last as f32, first as f32],
-            origin: origin as f32,
-            scale: (steps / range) as f32,
+            uniform_in: None,
+            is_filled: false,
+            bounds: [ends[0].min(ends[1]), ends[0].max(ends[1])],
+            origin: 0.0,
+            scale: 0.0,
             cosines: cosines.into_iter().map(|mu| mu as f32).collect(),
             values: values.into_iter().map(|value| value.map(|v| v as f32)).collect(),
             cumulative,
@@ -171,9 +276,13 @@ impl Lobe {
         if !(self.bounds[0]..=self.bounds[1]).contains(&mu) {
             return [0.0; 3];
         }
-        let place = if self.uniform_in == TableAngles::Theta { mu.acos() } else { mu };
-        let position = ((place - self.origin) * self.scale).max(0.0);
-        let entry = (position as usize).min(self.values.len() - 2);
+        let even = |place: f32| ((place - self.origin) * self.scale).max(0.0) as usize;
+        let entry = match self.uniform_in {
+            Some(TableAngles::Theta) => even(mu.acos()),
+            Some(TableAngles::Cosine) => even(mu),
+            None => self.cosines.partition_point(|cosine| *cosine >= mu).max(1) - 1,
+        };
+        let entry = entry.min(self.values.len() - 2);
         let t = (mu - self.cosines[entry]) / (self.cosines[entry + 1] - self.cosines[entry]);
         let (from, to, t) = (self.values[entry], self.values[entry + 1], t.clamp(0.0, 1.0));
         std::array::from_fn(|channel| from[channel] + (to[channel] - from[channel]) * t)

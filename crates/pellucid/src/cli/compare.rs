@@ -138,7 +138,7 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
         output::writable(path)?;
     }
     let (volumes, warnings) = load(&scene, &base.folder)?;
-    let Staged { scene, choices, .. } = args.scene.stage(&base.scene, scene, &volumes)?;
+    let Staged { scene, choices, .. } = args.scene.stage(&base, scene, &volumes)?;
     let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     report.opening(&volumes, &choices, &warnings);
     let mut drawn: Vec<Drawn> = Vec::new();

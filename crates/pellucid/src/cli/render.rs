@@ -95,7 +95,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let started = Instant::now();
     let (volumes, warnings) = load(&scene, &base.folder)?;
     let load_seconds = started.elapsed().as_secs_f64();
-    let Staged { scene, stage, mut choices } = args.scene.stage(&base.scene, scene, &volumes)?;
+    let Staged { scene, stage, mut choices } = args.scene.stage(&base, scene, &volumes)?;
     let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     warnings.extend_from_slice(args.scene.warnings());
     report.opening(&volumes, &choices, &warnings);

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use pellucid::gpu::{AdapterChoice, Ceiling, Device, GpuRenderer, Interpolation};
 use pellucid::scene::{Control, Format, Frame, Scene, Stage};
-use pellucid::{Backend, Renderer, load};
+use pellucid::{Backend, Renderer, load, load_optics};
 
 /// Where the scenes are.
 pub fn folder() -> PathBuf {
@@ -28,7 +28,9 @@ pub fn scenes() -> Vec<PathBuf> {
 /// A scene, ready to be drawn.
 pub fn stage(path: &Path) -> (Scene, Stage) {
     let text = std::fs::read_to_string(path).unwrap();
-    let scene = Scene::parse(&text, Format::Toml).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let scene = Scene::parse(&text, Format::Toml);
+    let mut scene = scene.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    load_optics(&mut scene, folder()).unwrap();
     let (volumes, _) = load(&scene, folder()).unwrap();
     let (stage, _) = scene.resolve(&volumes).unwrap();
     (scene, stage)

@@ -54,7 +54,7 @@ impl Subject {
         let (volumes, warnings) = load(&scene, &base.folder)?;
         let load_seconds = loading.elapsed().as_secs_f64();
         let choosing = Instant::now();
-        let Staged { scene, mut stage, choices } = flags.stage(&base.scene, scene, &volumes)?;
+        let Staged { scene, mut stage, choices } = flags.stage(&base, scene, &volumes)?;
         let chosen = choosing.elapsed();
         let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
         warnings.extend_from_slice(flags.warnings());

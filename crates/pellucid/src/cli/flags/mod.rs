@@ -10,9 +10,11 @@ pub mod technique;
 use std::sync::Arc;
 
 use pellucid::field::Volume;
+use pellucid::load_optics;
 use pellucid::scene::{Camera, Choice, Scene, Stage, VolumeEntry};
 
 use super::failure::Failure;
+use super::input::Base;
 use super::set::Setting;
 
 /// Every flag that changes the scene. What is not given leaves the scene as it is.
@@ -61,10 +63,12 @@ impl SceneFlags {
     }
 
     /// The stage of the scene that [`SceneFlags::apply`] made of `base`, once what flags leave to the
-    /// loaded volumes is filled in.
-    pub fn stage(&self, base: &Scene, scene: Scene, volumes: &[Arc<Volume>]) -> Result<Staged, Failure> {
+    /// loaded volumes is filled in, and its optics are read.
+    pub fn stage(&self, base: &Base, mut scene: Scene, volumes: &[Arc<Volume>]) -> Result<Staged, Failure> {
+        load_optics(&mut scene, &base.folder)?;
         let (stage, choices) = scene.resolve(volumes)?;
-        let Some(scene) = self.settle(base, &stage)? else { return Ok(Staged { scene, stage, choices }) };
+        let Some(mut scene) = self.settle(&base.scene, &stage)? else { return Ok(Staged { scene, stage, choices }) };
+        load_optics(&mut scene, &base.folder)?;
         let (stage, choices) = scene.resolve(volumes)?;
         Ok(Staged { scene, stage, choices })
     }
