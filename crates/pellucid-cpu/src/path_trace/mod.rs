@@ -20,7 +20,7 @@ mod vertex;
 use std::sync::Arc;
 
 use pellucid_field::{Blocks, ComponentView, Gradient, Sampler, Voxels};
-use pellucid_optics::{Sky, Visibility};
+use pellucid_optics::{ColorSpace, Sky, Visibility};
 use pellucid_scene::{Control, Jitter, PathTrace, Region, Stage, StageVolume, TableCache, Tables};
 
 use crate::RenderError;
@@ -124,6 +124,7 @@ impl<'s> PathTracer<'s> {
                     space: Space::new(grid, &self.region),
                     extinctions: Extinctions::new(&self.tables.table, self.volume.unit_distance()),
                     majorants: &self.majorants,
+                    chroma: self.volume.scattering.extinction_color.map(|color| color.to_linear(ColorSpace::Srgb)),
                 },
                 probe: Probe::new(sampler, grid, &self.region, gradient),
                 table: &self.tables.table,
