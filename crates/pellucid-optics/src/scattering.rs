@@ -27,6 +27,10 @@ pub struct Scattering {
     /// indirect attenuation (K-08). Left out, indirect light is attenuated as direct light is.
     #[schemars(length(min = 1))]
     pub transport: Option<Vec<ColorPoint>>,
+    /// Factors of the extinction for red, green and blue light, as the linear light of this colour, so that what is
+    /// thick takes on a colour that what is thin has not (K-13). Left out, all colours are lost alike. Path tracing
+    /// only; a pixel's coverage is then the mean of its colours'.
+    pub extinction_color: Option<Color>,
     /// How much a sample reflects as a surface instead of scattering as a cloud (K-11). Default none.
     pub surface: SurfaceShare,
 }

@@ -67,15 +67,21 @@ impl Stage {
             && !matches!(self.technique, Technique::PathTrace(_) | Technique::HalfAngle(_))
     }
 
-    /// What the technique draws otherwise than the scene asks for: only paths find the size of a light.
+    /// What the technique draws otherwise than the scene asks for: only paths find the size of a light, and an
+    /// extinction of its own for each colour.
     pub fn fallbacks(&self) -> impl Iterator<Item = RenderWarning> {
         let by_paths = matches!(self.technique, Technique::PathTrace(_));
-        let sized = self.lights.iter().enumerate().filter(move |(_, light)| !by_paths && light.has_extent());
-        sized.map(|(number, _)| {
-            let name = self.technique.name();
-            let reason = format!("lighting.lights[{number}] has a size, which {name} does not draw: its middle shines");
-            RenderWarning::Fallback { reason }
-        })
+        let name = self.technique.name();
+        let sized = self.lights.iter().enumerate().filter(|(_, light)| light.has_extent());
+        let lights = sized.map(move |(number, _)| {
+            format!("lighting.lights[{number}] has a size, which {name} does not draw: its middle shines")
+        });
+        let colored =
+            self.volumes.iter().enumerate().filter(|(_, volume)| volume.scattering.extinction_color.is_some());
+        let volumes = colored.map(move |(number, _)| {
+            format!("volumes[{number}].scattering.extinction_color is not drawn by {name}: all colours are lost alike")
+        });
+        lights.chain(volumes).filter(move |_| !by_paths).map(|reason| RenderWarning::Fallback { reason })
     }
 
     /// The clips of a volume and, for a thick slice, the planes of its slab.

@@ -145,10 +145,10 @@ fn scattering() -> impl Strategy<Value = Scattering> {
             .prop_map(|(low, more)| SurfaceShare::Gradient(GradientWeight { low, high: low + more })),
     ];
     let normalization = select(vec![PhaseNormalization::Physical, PhaseNormalization::Renormalised]);
-    (phase, normalization, anisotropy, albedo, of(colors()), surface).prop_map(
-        |(phase, phase_normalization, anisotropy, albedo, transport, surface)| {
+    (phase, normalization, anisotropy, albedo, of(colors()), of(color()), surface).prop_map(
+        |(phase, phase_normalization, anisotropy, albedo, transport, extinction_color, surface)| {
             let anisotropy = if phase.anisotropy().is_some() { anisotropy } else { Anisotropy::Uniform };
-            Scattering { phase, phase_normalization, anisotropy, albedo, transport, surface }
+            Scattering { phase, phase_normalization, anisotropy, albedo, transport, extinction_color, surface }
         },
     )
 }

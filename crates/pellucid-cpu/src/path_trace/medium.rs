@@ -140,6 +140,8 @@ pub struct Medium<'a, F> {
     pub extinctions: Extinctions,
     /// Bounds of the extinction.
     pub majorants: &'a MajorantGrid,
+    /// Factors of the extinction for each colour, 0 to 1, if it has one of its own (K-13).
+    pub chroma: Option<[f32; 3]>,
 }
 
 /// Below this, a transmittance is left to chance: what gets through is rare and worth as much more.
@@ -149,8 +151,73 @@ impl<F: Values> Medium<'_, F> {
     /// The next collision along a flight, by delta tracking (Woodcock et al. 1965) against the majorant
     /// of each block: distances are those of a medium as dense as the majorant, and a collision there is
     /// one with the medium as often as the medium is as dense.
+    ///
+    /// Where each colour has its own extinction, the colours decide together, by what they carry (Kutz et al. 2017),
+    /// and `carried` becomes what each has after that; their sum stays the same.
     #[inline]
-    pub fn collide(&self, flight: &Flight, random: &mut Random, looks: &mut u32) -> Option<Collision> {
+    pub fn collide(
+        &self,
+        flight: &Flight,
+        carried: &mut [f32; 3],
+        random: &mut Random,
+        looks: &mut u32,
+    ) -> Option<Collision> {
+        let mut collision = None;
+        self.visit(flight, random, looks, |distance, value, majorant, random| {
+            let (number, extinction) = (random.number(), self.extinctions.at(value));
+            let is_real = match self.chroma {
+                None => number * majorant < extinction,
+                Some(chroma) => decide(carried, chroma.map(|factor| (factor * extinction / majorant).min(1.0)), number),
+            };
+            if is_real {
+                collision = Some(Collision { distance, value });
+            }
+            is_real
+        });
+        collision
+    }
+
+    /// An estimate of the share of each colour that gets through, by ratio tracking (Novak et al. 2014): the
+    /// product of the chances that none of the collisions is one with the medium.
+    #[inline]
+    pub fn transmittance(&self, flight: &Flight, random: &mut Random, looks: &mut u32) -> [f32; 3] {
+        let Some(chroma) = self.chroma else {
+            let mut through = 1.0f32;
+            self.visit(flight, random, looks, |_, value, majorant, random| {
+                through *= 1.0 - (self.extinctions.at(value) / majorant).min(1.0);
+                if through < FAINT {
+                    through = if random.number() * FAINT >= through { 0.0 } else { FAINT };
+                }
+                through == 0.0
+            });
+            return [through; 3];
+        };
+        let mut through = [1.0f32; 3];
+        self.visit(flight, random, looks, |_, value, majorant, random| {
+            let extinction = self.extinctions.at(value) / majorant;
+            for (through, factor) in through.iter_mut().zip(chroma) {
+                *through *= 1.0 - (factor * extinction).min(1.0);
+            }
+            let most = through[0].max(through[1]).max(through[2]);
+            if most < FAINT {
+                let kept = if random.number() * FAINT >= most { 0.0 } else { FAINT / most };
+                through = through.map(|v| v * kept);
+            }
+            most == 0.0 || through == [0.0; 3]
+        });
+        through
+    }
+
+    /// Goes through the collisions with a medium as dense as the majorants, by distance, data value and majorant,
+    /// until one is the last.
+    #[inline(always)]
+    fn visit(
+        &self,
+        flight: &Flight,
+        random: &mut Random,
+        looks: &mut u32,
+        mut is_last: impl FnMut(f32, f32, f32, &mut Random) -> bool,
+    ) {
         let mut walk = Walk::new(self.majorants, flight.origin, flight.direction, flight.length);
         let (mut distance, mut depth) = (0.0, random.depth());
         loop {
@@ -165,46 +232,26 @@ impl<F: Values> Medium<'_, F> {
                     distance = next;
                     *looks += 1;
                     let value = self.field.value(flight.at(distance));
-                    if random.number() * majorant < self.extinctions.at(value) {
-                        return Some(Collision { distance, value });
+                    if is_last(distance, value, majorant, random) {
+                        return;
                     }
                     depth = random.depth();
                 }
             }
-            distance = walk.advance()?;
-        }
-    }
-
-    /// An estimate of the share of light that gets through, by ratio tracking (Novak et al. 2014): the
-    /// product of the chances that none of the collisions is one with the medium.
-    #[inline]
-    pub fn transmittance(&self, flight: &Flight, random: &mut Random, looks: &mut u32) -> f32 {
-        let mut walk = Walk::new(self.majorants, flight.origin, flight.direction, flight.length);
-        let (mut distance, mut depth, mut through) = (0.0, random.depth(), 1.0f32);
-        loop {
-            let (majorant, exit) = walk.block();
-            if majorant > 0.0 {
-                loop {
-                    let next = distance + depth / majorant;
-                    if next >= exit {
-                        depth -= majorant * (exit - distance).max(0.0);
-                        break;
-                    }
-                    distance = next;
-                    *looks += 1;
-                    let value = self.field.value(flight.at(distance));
-                    through *= 1.0 - (self.extinctions.at(value) / majorant).min(1.0);
-                    if through < FAINT {
-                        if random.number() * FAINT >= through {
-                            return 0.0;
-                        }
-                        through = FAINT;
-                    }
-                    depth = random.depth();
-                }
-            }
-            let Some(entry) = walk.advance() else { return through };
+            let Some(entry) = walk.advance() else { return };
             distance = entry;
         }
     }
+}
+
+/// Whether colours collide that do so with these chances, and what they carry after that.
+fn decide(carried: &mut [f32; 3], chances: [f32; 3], number: f32) -> bool {
+    let whole: f32 = carried.iter().sum();
+    let colliding: f32 = carried.iter().zip(chances).map(|(carried, chance)| carried * chance).sum();
+    let chance = colliding / whole;
+    let is_real = number < chance;
+    for (carried, own) in carried.iter_mut().zip(chances) {
+        *carried *= if is_real { own / chance } else { (1.0 - own) / (1.0 - chance) };
+    }
+    is_real
 }

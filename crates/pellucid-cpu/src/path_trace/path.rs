@@ -54,7 +54,7 @@ impl<F: Values> World<'_, F> {
         // Density with which the last scattering chose the direction.
         let mut density = 0.0;
         for scatterings in 0.. {
-            let collision = self.medium.collide(&flight, random, &mut found.looks);
+            let collision = self.medium.collide(&flight, &mut throughput, random, &mut found.looks);
             if scatterings > 0 {
                 let way = collision.as_ref().map_or(f32::INFINITY, |collision| collision.distance);
                 self.add_lights(&mut found.radiance, throughput, &flight, forward, way, density);
@@ -175,7 +175,7 @@ impl<F: Values> World<'_, F> {
         }
         let flight: Flight = self.medium.space.leave(at, direction, distance);
         let through = self.medium.transmittance(&flight, random, looks);
-        light.map(|v| v * through * sources as f32)
+        scale(light, through).map(|v| v * sources as f32)
     }
 
     /// Whether a light is found by scattering as well. Paths that scatter carry what all lights bring: highlights,

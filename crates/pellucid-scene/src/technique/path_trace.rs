@@ -39,9 +39,9 @@ pub struct PathTrace {
     /// a flat one, half of the light. 3 leaves a twentieth of that shadow. Walls that are thicker keep theirs, and
     /// clouds are lit where they are. Default 0, which is free of bias.
     pub surface_depth: f32,
-    /// Whether noise is taken out of the picture's colours: each becomes the mean of those around that are like it,
-    /// up to its noise, and as deep, facing alike and covered alike. That is not free of bias: where bright paths
-    /// are rare, a percent of the light is lost. The frame's noise is that of the paths. Default false.
+    /// Whether noise is taken out of the picture's colours: pixels around that are alike up to their noise, as deep,
+    /// facing alike and covered alike, exchange their light. None of it is lost, but its place is no longer free of
+    /// bias. The frame's noise is that of the paths. Default false.
     pub denoise: bool,
     /// What bounds the extinction where paths look for their next collision. Default local.
     pub majorants: Majorants,
