@@ -112,7 +112,9 @@ impl GpuRenderer {
     /// What a stage asks for and this backend does not have, if anything.
     pub fn lacks(stage: &Stage) -> Option<String> {
         let lit = matches!(stage.mode(), Mode::Composite | Mode::Isosurface(_));
+        let noisy = |volume: &StageVolume| volume.perturbation.displaces() || volume.perturbation.varies();
         match &stage.technique {
+            _ if stage.volumes.iter().any(noisy) => Some("volumes.perturbation".to_owned()),
             Technique::PathTrace(_) | Technique::HalfAngle(_) => Some(stage.technique.name().to_owned()),
             _ if lit && stage.shadows != Shadows::None => Some(format!("lighting.shadows = {}", stage.shadows.name())),
             _ if lit && stage.light_model == LightModel::Scattering => Some("lighting.model = scattering".to_owned()),

@@ -192,6 +192,7 @@ impl Drawing<'_> {
             correction: settings.correction,
             scales: [settings.direct, settings.indirect],
             skip: prepared.grids.skip.as_ref(),
+            varied: prepared.varied(),
             early_termination: stage.quality.early_termination,
         })
     }
@@ -204,6 +205,7 @@ impl Drawing<'_> {
             table: Lookup::of_steps(&prepared.tables.step_table),
             transport: self.transport.filter(|_| self.settings.indirect > 0.0).map(Transport::lookup),
             skip: prepared.grids.skip.as_ref(),
+            varied: prepared.varied(),
         })
     }
 }

@@ -18,9 +18,10 @@ pub struct Majorants {
 }
 
 impl Majorants {
-    /// Those of blocks, or one that bounds everything if nothing is known of blocks.
-    pub fn new(blocks: Option<&Blocks>, extinctions: &Extinctions, visibility: &Visibility) -> Self {
-        let bound = |low, high| extinctions.of_opacity(visibility.max_opacity(low, high));
+    /// Those of blocks, or one that bounds everything if nothing is known of blocks; `factor` is the most by
+    /// which the extinction of a value varies.
+    pub fn new(blocks: Option<&Blocks>, extinctions: &Extinctions, visibility: &Visibility, factor: f32) -> Self {
+        let bound = |low, high| extinctions.of_opacity(visibility.max_opacity(low, high)) * factor;
         let Some(blocks) = blocks else {
             let values = vec![bound(f32::MIN, f32::MAX)];
             return Self { dims: [1; 3], size: f32::INFINITY, values, distances: vec![0] };

@@ -154,8 +154,9 @@ impl<F: Values> Medium<'_, F> {
                     }
                     distance = next;
                     *looks += 1;
-                    let value = self.field.value(flight.at(distance));
-                    if random.number() * majorant < self.extinctions.at(value) {
+                    let at = flight.at(distance);
+                    let value = self.field.value(at);
+                    if random.number() * majorant < self.extinctions.at(value) * self.field.extinction(at) {
                         return Some(Collision { distance, value });
                     }
                     depth = random.depth();
@@ -182,8 +183,9 @@ impl<F: Values> Medium<'_, F> {
                     }
                     distance = next;
                     *looks += 1;
-                    let value = self.field.value(flight.at(distance));
-                    through *= 1.0 - (self.extinctions.at(value) / majorant).min(1.0);
+                    let at = flight.at(distance);
+                    let extinction = self.extinctions.at(self.field.value(at)) * self.field.extinction(at);
+                    through *= 1.0 - (extinction / majorant).min(1.0);
                     if through < FAINT {
                         if random.number() * FAINT >= through {
                             return 0.0;

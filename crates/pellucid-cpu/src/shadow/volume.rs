@@ -81,6 +81,7 @@ fn sweep<S: Lanes>(
         table: Lookup::of_steps(&prepared.tables.step_table),
         transport: None,
         skip: prepared.grids.skip.as_ref(),
+        varied: prepared.varied(),
     };
     let mut light = Sweep::new(prepared, settings, geometry, matter, cancelled)?;
     let [nx, ny, _] = points.dims();
