@@ -4,7 +4,7 @@ use glam::DVec3;
 use pellucid_field::{Filter, Volume};
 use pellucid_optics::{Nodes, PreIntegration, StepTable, Table};
 
-use crate::field::lane_position;
+use crate::field::{Moved, lane_position};
 use crate::lanes::*;
 use crate::samples::Sample;
 
@@ -158,6 +158,8 @@ pub struct Pre<'a> {
     pub component: usize,
     /// How colours are interpolated.
     pub filter: Filter,
+    /// What moves them, with the field that says how far.
+    pub moved: Moved<'a>,
 }
 
 impl Classify for Pre<'_> {
@@ -180,6 +182,7 @@ impl Classify for Pre<'_> {
 
 impl Pre<'_> {
     fn color(&self, index: DVec3) -> [f32; 4] {
+        let index = self.moved.source(index);
         let dims = self.volume.grid().dims();
         let reach = self.filter.half_width() as isize;
         let inside = |axis: usize| index[axis].clamp(0.0, (dims[axis] - 1) as f64);

@@ -9,6 +9,7 @@ use crate::samples::March;
 use crate::segments::{Segment, Verdict, Visit, each_segment};
 use crate::skip::{Levels, SkipGrid};
 use crate::surface::{Aim, Surface, Unlit, normals};
+use crate::vary::Vary;
 
 /// What every compositing loop shares: the field, light, empty blocks and the stop criterion.
 pub struct Medium<'a, S, F> {
@@ -174,14 +175,16 @@ struct Followed<'a, S: Lanes> {
 
 /// Compositing of pre-integrated segments between the nodes of the lattice (4.6-7, 7.2-3): one
 /// fetch a step, and the first segment starts at the entry, not at a made-up value of 0.
-pub struct PreIntegrated<'a, S, F> {
+pub struct PreIntegrated<'a, S, F, V> {
     /// The shared parts.
     pub medium: Medium<'a, S, F>,
     /// Ray integrals of one full step.
     pub table: Segments<'a>,
+    /// What varies them.
+    pub vary: V,
 }
 
-impl<S: Lanes, F: Field<S>> Integrator for PreIntegrated<'_, S, F> {
+impl<S: Lanes, F: Field<S>, V: Vary> Integrator for PreIntegrated<'_, S, F, V> {
     fn width(&self) -> usize {
         width::<S>()
     }
@@ -206,13 +209,13 @@ impl<S: Lanes, F: Field<S>> Integrator for PreIntegrated<'_, S, F> {
 }
 
 /// Segments on their way into the accumulator.
-struct Compositing<'a, S: Lanes, F> {
-    mode: &'a PreIntegrated<'a, S, F>,
+struct Compositing<'a, S: Lanes, F, V> {
+    mode: &'a PreIntegrated<'a, S, F, V>,
     rays: &'a Rays<S>,
     ray: &'a mut Accumulator<S>,
 }
 
-impl<S: Lanes, F: Field<S>> Visit<S> for Compositing<'_, S, F> {
+impl<S: Lanes, F: Field<S>, V: Vary> Visit<S> for Compositing<'_, S, F, V> {
     #[inline(always)]
     fn visit(&mut self, segment: &Segment<S>, counter: &mut Counter<S>) -> Verdict<S> {
         let medium = &self.mode.medium;
@@ -224,6 +227,7 @@ impl<S: Lanes, F: Field<S>> Visit<S> for Compositing<'_, S, F> {
         counter.see(visible);
         let middle = (segment.distance[0] + segment.distance[1]) * 0.5;
         let (index, [front, back]) = (self.rays.at(middle), segment.value);
+        let rgba = self.mode.vary.vary(medium.s, &index, rgba);
         let value = (front.is_finite().select(front, back) + back.is_finite().select(back, front)) * 0.5;
         let rgba = medium.lit(
             &self.ray.aim,
@@ -235,7 +239,7 @@ impl<S: Lanes, F: Field<S>> Visit<S> for Compositing<'_, S, F> {
     }
 }
 
-impl<S: Lanes, F: Field<S>> PreIntegrated<'_, S, F> {
+impl<S: Lanes, F: Field<S>, V> PreIntegrated<'_, S, F, V> {
     /// The integrals over segments, and the lanes that have any opacity. Where one end is absent
     /// the field reaches half way with the value of the other.
     #[inline(always)]

@@ -30,6 +30,7 @@ mod skip;
 mod slice;
 mod surface;
 mod tiles;
+mod vary;
 
 pub use error::RenderError;
 pub use lanes::InstructionSet;

@@ -6,7 +6,7 @@ use pellucid_scene::{Classification, Combine, Isosurface, Mode};
 use crate::RenderError;
 use crate::classify::{Lookup, Post, Pre, Segments};
 use crate::composite::{Composite, Medium, PreIntegrated};
-use crate::field::{Any, Bounds, Entered, Field, General, Probe, Separable, Texel, Trilinear, fits};
+use crate::field::{Any, Bounds, Displaced, Entered, Field, General, Moved, Probe, Separable, Texel, Trilinear, fits};
 use crate::integrator::Integrator;
 use crate::isosurface::{Isosurfaces, Level};
 use crate::lanes::{InstructionSet, Lanes, dispatch};
@@ -16,6 +16,7 @@ use crate::scatter::Scatter;
 use crate::shadow::{LightVolume, LightVolumes, Media, Shadow, Surfaces, ToLights};
 use crate::slice::Plane;
 use crate::surface::Surface;
+use crate::vary::{Uniform, Varied, VariedSamples};
 
 impl Prepared<'_> {
     /// The integrator of the stage's mode, for an instruction set, in the light of volumes if there are
@@ -56,7 +57,13 @@ impl Prepared<'_> {
             _ => false,
         };
         if !common {
-            return self.rare(s, self.any(sampler), surface);
+            return self.rare(s, sampler, surface);
+        }
+        if self.tables.displacer.is_some() || self.tables.variation.is_some() {
+            return match (self.stage.mode(), self.varied()) {
+                (Mode::Composite, Some(varied)) => self.varied_composite(s, self.any(sampler), surface, varied),
+                _ => self.common(s, self.any(sampler), surface),
+            };
         }
         if sampler.filter() == Filter::Linear && self.stage.quality.gradient == Gradient::Central {
             macro_rules! typed {
@@ -86,8 +93,20 @@ impl Prepared<'_> {
         Trilinear::new(view, Bounds::new(self.grid(), &self.region), self.probe(Linear(view)))
     }
 
-    /// The field of any filter and voxel type.
+    /// What varies optics, if anything does.
+    pub fn varied(&self) -> Option<Varied<'_>> {
+        self.tables.variation.as_ref().map(Varied)
+    }
+
+    /// The field of any filter and voxel type, displaced if it is.
     pub fn any<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
+        let plain = self.undisplaced(sampler);
+        let Some(displacer) = &self.tables.displacer else { return plain };
+        let (bounds, grid) = (Bounds::new(self.grid(), &self.region), self.grid());
+        Any(Box::new(Entered(Displaced::new(plain, displacer, bounds, grid.world_from_index_gradient()))))
+    }
+
+    fn undisplaced<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
         let boxed = match self.tables.field.voxels() {
             Voxels::U32(_) | Voxels::I32(_) if !fits(&self.tables.field) => None,
             voxels => for_voxels!(voxels, data => self.boxed(data, &sampler)),
@@ -127,25 +146,46 @@ impl Prepared<'_> {
             _ => {
                 let medium = self.medium(s, field, surface);
                 match &self.tables.preintegration {
-                    Some(table) => Box::new(PreIntegrated { medium, table: Segments(table) }),
-                    None => {
-                        let lookup = match &self.tables.stride_entries {
-                            Some(entries) => Lookup::of_strides(entries, self.tables.step_table.nodes()),
-                            None => Lookup::of_steps(self.step_table()),
-                        };
-                        Box::new(Composite { medium, classifier: Post(lookup) })
-                    }
+                    Some(table) => Box::new(PreIntegrated { medium, table: Segments(table), vary: Uniform }),
+                    None => Box::new(Composite { medium, classifier: Post(self.lookup()) }),
                 }
             }
+        }
+    }
+
+    fn varied_composite<'a, S: Lanes>(
+        &'a self,
+        s: S,
+        field: Any<'a, S>,
+        surface: Option<Surface<'a, S>>,
+        varied: Varied<'a>,
+    ) -> Box<dyn Integrator + 'a> {
+        let medium = self.medium(s, field, surface);
+        match &self.tables.preintegration {
+            Some(table) => Box::new(PreIntegrated { medium, table: Segments(table), vary: varied }),
+            None => {
+                let classifier = VariedSamples { classifier: Post(self.lookup()), varied };
+                Box::new(Composite { medium, classifier })
+            }
+        }
+    }
+
+    /// Associated colours of one step and, if steps adapt to the data, of longer ones.
+    fn lookup(&self) -> Lookup<'_> {
+        match &self.tables.stride_entries {
+            Some(entries) => Lookup::of_strides(entries, self.tables.step_table.nodes()),
+            None => Lookup::of_steps(self.step_table()),
         }
     }
 
     fn rare<'a, S: Lanes>(
         &'a self,
         s: S,
-        field: Any<'a, S>,
+        sampler: Sampler<'a>,
         surface: Option<Surface<'a, S>>,
     ) -> Box<dyn Integrator + 'a> {
+        let moved = Moved { sampler: sampler.clone(), displacer: self.tables.displacer.as_ref() };
+        let field = self.any(sampler);
         match self.stage.mode() {
             Mode::Average => Box::new(Average { s, field, table: Lookup::of_table(&self.tables.table), opaque: false }),
             Mode::Additive => {
@@ -171,8 +211,12 @@ impl Prepared<'_> {
             Mode::Composite | Mode::Maximum | Mode::Minimum | Mode::Isosurface(_) => {
                 let (volume, component) = (&*self.volume.volume, self.volume.component);
                 let filter = self.stage.quality.filter;
-                let classifier = Pre { table: &self.tables.step_table, volume, component, filter };
-                Box::new(Composite { medium: self.medium(s, field, surface), classifier })
+                let classifier = Pre { table: &self.tables.step_table, volume, component, filter, moved };
+                let medium = self.medium(s, field, surface);
+                match self.varied() {
+                    Some(varied) => Box::new(Composite { medium, classifier: VariedSamples { classifier, varied } }),
+                    None => Box::new(Composite { medium, classifier }),
+                }
             }
         }
     }
@@ -243,7 +287,7 @@ impl Prepared<'_> {
                 let away = self.stage.shadow_offset(self.volume, shadows.length) as f32;
                 Box::new(Surfaces { s, field, levels: self.levels(isosurface), ways, away, skip })
             }
-            _ => Box::new(Media { field, table: Lookup::of_steps(&shadows.table), ways, skip }),
+            _ => Box::new(Media { field, table: Lookup::of_steps(&shadows.table), ways, skip, varied: self.varied() }),
         })
     }
 

@@ -122,7 +122,9 @@ impl GpuRenderer {
             (Technique::RayCast(_), Shadows::Volume(_)) => matches!(stage.mode(), Mode::Isosurface(_)),
             _ => false,
         };
+        let noisy = |volume: &StageVolume| volume.perturbation.displaces() || volume.perturbation.varies();
         match &stage.technique {
+            _ if stage.volumes.iter().any(noisy) => Some("volumes.perturbation".to_owned()),
             Technique::PathTrace(settings) => lacks_of_paths(stage, settings),
             _ if lit && stage.lights.iter().any(ResolvedLight::is_face) => {
                 Some("lighting.lights of kind rectangle".to_owned())

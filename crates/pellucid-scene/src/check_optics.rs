@@ -3,8 +3,8 @@
 use glam::DAffine3;
 use pellucid_field::{Filter, Gradient};
 use pellucid_optics::{
-    ColorMap, Environment, GradientWeight, Light, LightKind, Material, OpticsError, Preset, Scattering, Shadows,
-    opacity_shape,
+    ColorMap, Environment, GradientWeight, Light, LightKind, Material, OpticsError, Perturbation, Preset, Scattering,
+    Shadows, opacity_shape,
 };
 
 use crate::Invalid;
@@ -82,6 +82,11 @@ pub(crate) fn scattering(path: &str, scattering: &Scattering) -> Checked {
         }
         _ => invalid(path, key, &error),
     })
+}
+
+/// Noise is within its ranges.
+pub(crate) fn perturbation(path: &str, perturbation: &Perturbation) -> Checked {
+    perturbation.validate().map_err(|(key, error)| invalid(path, &key, error))
 }
 
 /// An environment is within its ranges.

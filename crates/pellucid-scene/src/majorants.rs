@@ -1,7 +1,7 @@
 //! Bounds of the extinction in blocks of the data, for paths that look for their next collision.
 
 use pellucid_field::{Blocks, distances};
-use pellucid_optics::{Visibility, path_extinction};
+use pellucid_optics::{Variation, Visibility, path_extinction};
 
 use crate::{Majorants, StageVolume, TableCache, TableError, Tables};
 
@@ -20,9 +20,9 @@ pub struct MajorantGrid {
 
 impl MajorantGrid {
     /// Those of blocks, or one that bounds everything if nothing is known of blocks, where opacities hold for
-    /// `unit_distance` world units.
-    fn new(blocks: Option<&Blocks>, visibility: &Visibility, unit_distance: f64) -> Self {
-        let bound = |low, high| path_extinction(visibility.max_opacity(low, high), unit_distance);
+    /// `unit_distance` world units; `factor` is the most by which the extinction of a value varies.
+    fn new(blocks: Option<&Blocks>, visibility: &Visibility, unit_distance: f64, factor: f32) -> Self {
+        let bound = |low, high| path_extinction(visibility.max_opacity(low, high), unit_distance) * factor;
         let Some(blocks) = blocks else {
             let values = vec![bound(f32::MIN, f32::MAX)];
             return Self { dims: [1; 3], size: f32::INFINITY, values, distances: vec![0] };
@@ -53,6 +53,7 @@ impl TableCache {
             Majorants::Global => None,
         };
         let visibility = Visibility::of_table(&tables.table);
-        Ok(MajorantGrid::new(ranges.as_deref(), &visibility, volume.unit_distance()))
+        let most = tables.variation.as_ref().map_or(1.0, Variation::most_extinction);
+        Ok(MajorantGrid::new(ranges.as_deref(), &visibility, volume.unit_distance(), most))
     }
 }

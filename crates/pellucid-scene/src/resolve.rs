@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 use pellucid_field::{FieldError, Grid, Volume};
 use pellucid_optics::{
-    GradientWeight, Light, LightModel, Lighting, Material, OpticsError, ResolvedLight, Scattering, Shadows,
-    TransferFunction,
+    GradientWeight, Light, LightModel, Lighting, Material, OpticsError, Perturbation, ResolvedLight, Scattering,
+    Shadows, TransferFunction,
 };
 
 use crate::auto;
@@ -28,6 +28,8 @@ pub struct StageVolume {
     pub gradient_weight: Option<GradientWeight>,
     /// How light is scattered.
     pub scattering: Scattering,
+    /// Noise that displaces it and varies its optics.
+    pub perturbation: Perturbation,
     /// Where in the world this volume is not clipped or cropped away.
     pub region: Region,
 }
@@ -172,6 +174,7 @@ impl Scene {
             material: look.material,
             gradient_weight: look.gradient_weight,
             scattering: entry.scattering.clone(),
+            perturbation: entry.perturbation.clone(),
             region,
             volume,
         })

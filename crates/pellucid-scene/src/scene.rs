@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use pellucid_field::VoxelType;
-use pellucid_optics::{GradientWeight, Lighting, Material, Scattering, TransferFunction};
+use pellucid_optics::{GradientWeight, Lighting, Material, Perturbation, Scattering, TransferFunction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -102,6 +102,9 @@ pub struct VolumeEntry {
     /// How light is scattered, by techniques that follow it through the volume.
     #[serde(default)]
     pub scattering: Scattering,
+    /// Noise that displaces what is drawn and varies how it looks; none by default.
+    #[serde(default)]
+    pub perturbation: Perturbation,
 }
 
 impl VolumeEntry {
@@ -122,6 +125,7 @@ impl VolumeEntry {
             material: None,
             gradient_weight: None,
             scattering: Scattering::default(),
+            perturbation: Perturbation::default(),
         }
     }
 
@@ -153,7 +157,12 @@ impl VolumeEntry {
         if let Some(weight) = &self.gradient_weight {
             check_optics::gradient_weight(&join(path, "gradient_weight"), weight)?;
         }
-        check_optics::scattering(&join(path, "scattering"), &self.scattering)
+        check_optics::scattering(&join(path, "scattering"), &self.scattering)?;
+        check_optics::perturbation(&join(path, "perturbation"), &self.perturbation)?;
+        let transport = self.perturbation.optics.transport;
+        let meant = transport == 0.0 || self.scattering.transport.is_some();
+        let allowed = "0, or scattering.transport, which it varies";
+        require(meant, path, "perturbation.optics.transport", transport, allowed)
     }
 }
 

@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
-use pellucid_field::{Blocks, FieldError, Filter, Volume, spline_coefficients};
+use pellucid_field::{Blocks, FieldError, Filter, Noise, Volume, spline_coefficients};
 use pellucid_optics::{
-    DataRange, OpticsError, PreIntegration, Scattering, StepTable, Table, TransferFunction, Visibility,
+    DataRange, Displacer, OpticsError, Perturbation, PreIntegration, Scattering, StepTable, Table, TransferFunction,
+    Variation, Visibility,
 };
 
 use crate::blocks::{BlockContent, BlockMap};
@@ -34,13 +35,15 @@ pub struct TableCache {
     fine_blocks: Option<KeptBlocks>,
     extremes: Option<(Arc<Blocks>, bool, Arc<Vec<f32>>)>,
     coefficients: Option<(Arc<Volume>, usize, Arc<Volume>)>,
+    noise: Option<(u32, Arc<Noise>)>,
     tables: Option<(Settings, Arc<Tables>)>,
 }
 
 /// Blocks and what they are of.
 type KeptBlocks = (Arc<Volume>, usize, Margin, Arc<Blocks>);
 
-/// How far a filter sees beyond a cell, in voxels, and its samples leave the range of what it sees.
+/// How far a filter, or a displacement, sees beyond a cell, in voxels, and samples leave the range of what it
+/// sees.
 #[derive(Clone, Copy, PartialEq)]
 struct Margin {
     reach: usize,
@@ -59,6 +62,7 @@ struct Settings {
     classifies_voxels: bool,
     /// How light is scattered, if it is, and whether it travels from slab to slab.
     scattering: Option<(Scattering, bool)>,
+    perturbation: Perturbation,
 }
 
 impl Default for TableCache {
@@ -77,6 +81,7 @@ impl TableCache {
             fine_blocks: None,
             extremes: None,
             coefficients: None,
+            noise: None,
             tables: None,
         }
     }
@@ -95,6 +100,7 @@ impl TableCache {
             mode: stage.mode().clone(),
             classifies_voxels: stage.classifies_voxels(),
             scattering: stage.scatters().then(|| (volume.scattering.clone(), stage.half_angle().is_some())),
+            perturbation: volume.perturbation.clone(),
         };
         match &self.tables {
             Some((of, tables)) if Arc::ptr_eq(&tables.volume, &volume.volume) && *of == settings => Ok(tables.clone()),
@@ -113,6 +119,7 @@ impl TableCache {
     /// [`TableError::Field`] if there is no such component.
     pub(crate) fn fine_ranges(&mut self, tables: &Tables) -> Result<Option<Arc<Blocks>>, TableError> {
         let Some(margin) = Margin::of(tables.filter) else { return Ok(None) };
+        let margin = margin.displaced(tables.displacer.as_ref());
         let size = Blocks::CELLS / 2;
         Ok(Some(kept(&mut self.fine_blocks, &tables.field, tables.component, margin, size)?))
     }
@@ -133,6 +140,17 @@ impl TableCache {
             }
         };
         BlockContent::Extremes(values)
+    }
+
+    fn noise(&mut self, seed: u32) -> Arc<Noise> {
+        match &self.noise {
+            Some((of, noise)) if *of == seed => noise.clone(),
+            _ => {
+                let noise = Arc::new(Noise::new(seed));
+                self.noise = Some((seed, noise.clone()));
+                noise
+            }
+        }
     }
 
     fn coefficients(&mut self, volume: &Arc<Volume>, component: usize) -> Result<Arc<Volume>, FieldError> {
@@ -169,6 +187,10 @@ pub struct Tables {
     pub blocks: Option<BlockMap>,
     /// What samples that scatter light look up.
     pub light: LightTables,
+    /// What moves the field, if anything does.
+    pub displacer: Option<Displacer>,
+    /// What varies its optics, if anything does.
+    pub variation: Option<Variation>,
 }
 
 impl Tables {
@@ -201,7 +223,14 @@ impl Tables {
             None => Visibility::of_table(&table),
         };
         let visible = |low, high| visibility.any_opacity(low, high);
-        let ranges = quality.empty_space_skipping.then(|| bounds(stage, volume, (&field, component, filter), cache));
+        let (mut displacer, mut variation) = (None, None);
+        if volume.perturbation.displaces() || volume.perturbation.varies() {
+            let (noise, grid) = (cache.noise(volume.perturbation.seed), volume.volume.grid());
+            displacer = Displacer::new(&volume.perturbation, &noise, grid);
+            variation = Variation::new(&volume.perturbation, &noise, grid);
+        }
+        let (of, moved) = ((&field, component, filter), displacer.as_ref());
+        let ranges = quality.empty_space_skipping.then(|| bounds(stage, volume, of, moved, cache));
         let ranges = ranges.transpose()?.flatten();
         let mut blocks = ranges.as_ref().and_then(|ranges| {
             let content = match stage.mode() {
@@ -238,6 +267,8 @@ impl Tables {
             preintegration,
             blocks,
             light,
+            displacer,
+            variation,
         })
     }
 }
@@ -272,13 +303,15 @@ fn bounds(
     stage: &Stage,
     volume: &StageVolume,
     (field, component, filter): (&Arc<Volume>, usize, Filter),
+    displacer: Option<&Displacer>,
     cache: &mut TableCache,
 ) -> Result<Option<Arc<Blocks>>, FieldError> {
     if stage.classifies_voxels() {
         let reach = filter.half_width() - 1;
-        return cache.blocks(&volume.volume, volume.component, Margin { reach, overshoot: 0.0 }).map(Some);
+        let margin = Margin { reach, overshoot: 0.0 }.displaced(displacer);
+        return cache.blocks(&volume.volume, volume.component, margin).map(Some);
     }
-    Margin::of(filter).map(|margin| cache.blocks(field, component, margin)).transpose()
+    Margin::of(filter).map(|margin| cache.blocks(field, component, margin.displaced(displacer))).transpose()
 }
 
 impl Margin {
@@ -287,5 +320,13 @@ impl Margin {
         const FURTHEST: f64 = 4.0;
         let overshoot = filter.overshoot();
         (overshoot <= FURTHEST).then(|| Self { reach: filter.half_width() - 1, overshoot })
+    }
+
+    /// This, where positions move before the filter sees them: by no more than the displacement's reach, and
+    /// a rounding.
+    fn displaced(self, displacer: Option<&Displacer>) -> Self {
+        const ROUNDING: f32 = 1e-3;
+        let furthest = displacer.map_or(0.0, |displacer| displacer.reach.into_iter().fold(0.0, f32::max) + ROUNDING);
+        Self { reach: self.reach + furthest.ceil() as usize, ..self }
     }
 }

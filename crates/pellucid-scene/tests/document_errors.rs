@@ -182,6 +182,26 @@ fn toml_errors_point_at_their_line() {
             &["volumes[0].scattering.surface.values", "point 1", "2: expected 0 to 1"],
         ),
         (
+            "[[volumes]]\nsource = 'memory'\n[volumes.perturbation.displacement]\n@amplitude = 2\n",
+            &["volumes[0].perturbation.displacement.amplitude", "2", "0 to 1"],
+        ),
+        (
+            "[[volumes]]\nsource = 'memory'\n[volumes.perturbation.displacement]\namplitude = 0.1\noctaves = [\n{ frequency = 1 },\n{ @frequency = 0 }]\n",
+            &["volumes[0].perturbation.displacement.octaves[1].frequency", "0", "1/16 to 1024"],
+        ),
+        (
+            "[[volumes]]\nsource = 'memory'\n[volumes.perturbation.displacement]\n@between = [3, 3]\n",
+            &["volumes[0].perturbation.displacement.between", "[3, 3]", "other than"],
+        ),
+        (
+            "[[volumes]]\nsource = 'memory'\n[volumes.perturbation.optics]\n@transport = 0.5\n",
+            &["volumes[0].perturbation.optics.transport", "0.5", "scattering.transport"],
+        ),
+        (
+            "[[volumes]]\nsource = 'memory'\n[volumes.perturbation.optics]\n@opacity = -0.5\n",
+            &["volumes[0].perturbation.optics.opacity", "-0.5", "0 to 1"],
+        ),
+        (
             "[[volumes]]\nsource = 'memory'\n[volumes.gradient_weight]\nlow = 3\n@high = 2\n",
             &["volumes[0].gradient_weight.high", "[3, 2]"],
         ),

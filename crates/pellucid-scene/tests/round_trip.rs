@@ -153,6 +153,23 @@ fn scattering() -> impl Strategy<Value = Scattering> {
     )
 }
 
+fn perturbation() -> impl Strategy<Value = Perturbation> {
+    let octave = (0.0625f32..=1024.0, -16.0f32..=16.0, [-9.0..9.0, -9.0..9.0, -9.0..9.0])
+        .prop_map(|(frequency, weight, offset)| Octave { frequency, weight, offset });
+    let between = (-9.0f32..9.0, 0.5f32..9.0, any::<bool>())
+        .prop_map(|(low, more, falls)| if falls { [low + more, low] } else { [low, low + more] });
+    let share = || 0.0f32..=1.0;
+    let displacement = (share(), vec(octave.clone(), 0..9), of(between))
+        .prop_map(|(amplitude, octaves, between)| Displacement { amplitude, octaves, between });
+    let optics = (vec(octave, 0..9), share(), share(), share())
+        .prop_map(|(octaves, opacity, color, transport)| PropertyNoise { octaves, opacity, color, transport });
+    (any::<u32>(), displacement, optics).prop_map(|(seed, displacement, optics)| Perturbation {
+        seed,
+        displacement,
+        optics,
+    })
+}
+
 fn volume() -> impl Strategy<Value = VolumeEntry> {
     let interval = || {
         (number(), length())
@@ -167,10 +184,15 @@ fn volume() -> impl Strategy<Value = VolumeEntry> {
         of(select(opacity_shape_names().collect::<Vec<_>>())),
     );
     let weight = (0.0f32..10.0, 0.5f32..10.0).prop_map(|(low, more)| GradientWeight { low, high: low + more });
-    let optics = (of(length()), of(transfer_function()), of(any::<bool>()), of(material()), of(weight), scattering());
-    (source(), 0usize..4, of([length(), length(), length()]), of(crop), names, of(interval()), optics).prop_map(
-        |(source, component, spacing, crop, (preset, colormap, opacity), window, optics)| {
-            let (unit_distance, transfer_function, shading, material, gradient_weight, scattering) = optics;
+    let optics = (of(length()), of(transfer_function()), of(any::<bool>()), of(material()), of(weight));
+    let light = (scattering(), perturbation());
+    (source(), 0usize..4, of([length(), length(), length()]), of(crop), names, of(interval()), optics, light).prop_map(
+        |(source, component, spacing, crop, (preset, colormap, opacity), window, optics, light)| {
+            let (unit_distance, transfer_function, shading, material, gradient_weight) = optics;
+            let (scattering, mut perturbation) = light;
+            if scattering.transport.is_none() {
+                perturbation.optics.transport = 0.0;
+            }
             VolumeEntry {
                 source,
                 component,
@@ -186,6 +208,7 @@ fn volume() -> impl Strategy<Value = VolumeEntry> {
                 material,
                 gradient_weight,
                 scattering,
+                perturbation,
             }
         },
     )

@@ -1,20 +1,24 @@
 //! "What is the field here?": one answer for samples, gradients and surfaces, for all lanes.
 
 mod cube;
+mod displaced;
 mod general;
 mod kernel;
 mod probe;
 mod separable;
 mod taps;
 mod trilinear;
+mod turbulence;
 mod voxel;
 mod word;
 
+pub use displaced::{Displaced, Moved};
 pub use general::{Any, Entered, General, lane_position};
 pub use probe::Probe;
 pub use separable::Separable;
 pub use taps::Bounds;
 pub use trilinear::Trilinear;
+pub use turbulence::turbulence;
 pub use voxel::{Quad, Texel};
 pub use word::fits;
 

@@ -10,13 +10,21 @@ pub struct Probe<'a, R> {
     region: &'a Region,
     grid: &'a Grid,
     gradient: Gradient,
+    /// Index steps to the taps of gradients.
+    spacing: DVec3,
     world_from_index_gradient: DMat3,
 }
 
 impl<'a, R: Reconstruct> Probe<'a, R> {
     /// A probe of a field on a grid.
     pub fn new(field: R, grid: &'a Grid, region: &'a Region, gradient: Gradient) -> Self {
-        Self { field, region, grid, gradient, world_from_index_gradient: grid.world_from_index_gradient() }
+        let world_from_index_gradient = grid.world_from_index_gradient();
+        Self { field, region, grid, gradient, spacing: DVec3::ONE, world_from_index_gradient }
+    }
+
+    /// The same with central differences over so many index steps.
+    pub fn with_spacing(self, spacing: DVec3) -> Self {
+        Self { gradient: Gradient::Central, spacing, ..self }
     }
 
     /// The data value at an index position, moved into the grid's box; NaN where absent.
@@ -34,9 +42,11 @@ impl<'a, R: Reconstruct> Probe<'a, R> {
             self.field.gradient(self.gradient, index, center)
         } else {
             let world_from_index = self.grid.world_from_index();
-            index_gradient(self.gradient, index, center, |p| {
+            let step = self.spacing;
+            index_gradient(self.gradient, index / step, center, |p| {
+                let p = p * step;
                 if self.region.contains(world_from_index.transform_point3(p)) { self.field.value(p) } else { f64::NAN }
-            })
+            }) / step
         };
         self.world_from_index_gradient * gradient
     }

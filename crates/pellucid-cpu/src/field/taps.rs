@@ -6,6 +6,9 @@ use pellucid_scene::Region;
 
 use crate::lanes::*;
 
+/// The rounding of positions must not cut off a tap that lies in the border.
+const TOLERANCE: f32 = 1e-4;
+
 /// The box and the clip planes around a field, in index space.
 pub struct Bounds {
     /// The box, and the last voxel.
@@ -47,6 +50,21 @@ impl Bounds {
         clear
     }
 
+    /// Lanes whose position is in the box and not clipped.
+    #[inline(always)]
+    pub fn contain<S: Lanes>(&self, s: S, p: &Vec3<S>) -> Mask<S> {
+        let mut inside = all(s, true);
+        for axis in 0..3 {
+            inside &= p[axis].simd_ge(splat(s, self.low[axis] - TOLERANCE));
+            inside &= p[axis].simd_le(splat(s, self.high[axis] + TOLERANCE));
+        }
+        for (normal, offset) in &self.planes {
+            let above = dot::<S>(xyz!(I => splat(s, normal[I])), *p);
+            inside &= above.simd_ge(splat(s, offset - TOLERANCE));
+        }
+        inside
+    }
+
     /// How often a direction fits into the way from positions inside to the border of the box or region;
     /// 0 for positions outside. `inverse` is one over the direction, very large where that is 0.
     #[inline(always)]
@@ -71,8 +89,6 @@ impl Bounds {
     /// position itself does.
     #[inline(always)]
     pub fn taps<S: Lanes>(&self, s: S, p: &Vec3<S>, axis: usize) -> [Mask<S>; 2] {
-        // The rounding of positions must not cut off a tap that lies in the border.
-        const TOLERANCE: f32 = 1e-4;
         let mut left = p[axis].simd_ge(splat(s, 1.0 - TOLERANCE));
         let mut right = p[axis].simd_le(splat(s, self.last[axis] - 1.0 + TOLERANCE));
         for (normal, offset) in &self.planes {

@@ -18,6 +18,7 @@ use crate::packet::PerLane;
 use crate::prepare::Prepared;
 use crate::skip::SkipGrid;
 use crate::surface::{Surface, Unlit, normals};
+use crate::vary::Varied;
 
 /// Rays of the eye side by side, and what they have gathered.
 pub struct EyePacket {
@@ -114,6 +115,8 @@ pub struct Eye<'a, S: Lanes> {
     pub scales: [f32; 2],
     /// Blocks that can contribute, if empty space is skipped.
     pub skip: Option<&'a SkipGrid>,
+    /// What varies optics, if anything does.
+    pub varied: Option<Varied<'a>>,
     /// Opacity at which a ray ends.
     pub early_termination: f32,
 }
@@ -211,13 +214,27 @@ impl<S: Lanes> Eye<'_, S> {
         if !candidates.any_true() {
             return None;
         }
-        let one_step = self.table.at(s, position, None);
+        let mut one_step = self.table.at(s, position, None);
         let visible = candidates & one_step[3].simd_gt(splat(s, 0.0));
         if !visible.any_true() {
             return None;
         }
+        let noise = self.noise(&index);
+        if let Some((varied, noise)) = &noise {
+            one_step = varied.associated(s, noise, one_step);
+        }
         let rgba = over_length(s, one_step, ratio);
-        let arriving = self.arriving(light, &index, place - k as f32, one_step[3], value, k);
+        let indirect = match &self.half_transport {
+            Some(table) if light.planes.len() > 1 => {
+                let through = transport::through(s, table, value, splat(s, 1.0));
+                Some(match &noise {
+                    Some((varied, noise)) => varied.transport(s, noise, through),
+                    None => through,
+                })
+            }
+            _ => None,
+        };
+        let arriving = self.arriving(light, &index, place - k as f32, one_step[3], indirect, k);
         let direct = arriving.direct * self.scales[0];
         let sample = Unlit { rgba, value, index, lanes: visible };
         let mut lit = self.surface.shade_through(
@@ -239,7 +256,17 @@ impl<S: Lanes> Eye<'_, S> {
         Some((lit, visible))
     }
 
-    /// The light that has come to samples a part of the way through slab k.
+    /// The noise at index positions, if optics vary.
+    #[inline(always)]
+    fn noise(&self, index: &Vec3<S>) -> Option<(Varied<'_>, [F32<S>; 4])> {
+        self.varied.map(
+            #[inline(always)]
+            |varied| (varied, varied.noise(self.s, index)),
+        )
+    }
+
+    /// The light that has come to samples a part of the way through slab k; `through` gets through half
+    /// of a slab of indirect light, where most samples are, if that is something else.
     #[inline(always)]
     fn arriving(
         &self,
@@ -247,7 +274,7 @@ impl<S: Lanes> Eye<'_, S> {
         index: &Vec3<S>,
         part: F32<S>,
         alpha: F32<S>,
-        value: F32<S>,
+        through: Option<[F32<S>; 3]>,
         k: usize,
     ) -> Arriving<S> {
         let (s, one) = (self.s, splat(self.s, 1.0));
@@ -271,13 +298,11 @@ impl<S: Lanes> Eye<'_, S> {
             }
         };
         let left = part_through(s, one - alpha, inside);
-        let indirect = match (indirect, &self.half_transport) {
+        let indirect = match (indirect, through) {
             (None, _) => None,
             (Some(()), None) => Some(xyz!(C => light.fetch(s, C + 1, &place) * left)),
-            (Some(()), Some(table)) => {
-                // Halfway through the slab is where most samples are.
-                let through = transport::through(s, table, value, halves);
-                Some(xyz!(C => light.fetch(s, C + 1, &place) * through[C]))
+            (Some(()), Some(through)) => {
+                Some(xyz!(C => light.fetch(s, C + 1, &place) * transport::over(s, through[C], halves)))
             }
         };
         Arriving { direct: direct * left, indirect }
@@ -339,7 +364,11 @@ impl<S: Lanes> Eye<'_, S> {
                 let value = self.field.values(s, index, lanes);
                 let position = self.table.position(s, value);
                 let visible = lanes & self.table.may_be_visible(s, position);
-                let alpha = opacity_over(s, self.table.at(s, position, None)[3], ratio);
+                let mut alpha = self.table.at(s, position, None)[3];
+                if let Some((varied, noise)) = self.noise(&index) {
+                    alpha = varied.opacity(s, &noise, alpha);
+                }
+                let alpha = opacity_over(s, alpha, ratio);
                 through = visible.select(through * (one - alpha), through);
                 let here = visible & through.simd_le(splat(s, 0.5));
                 found = xyz!(I => here.select(index[I], found[I]));

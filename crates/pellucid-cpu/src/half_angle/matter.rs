@@ -11,6 +11,7 @@ use crate::field::{Any, Field};
 use crate::lanes::*;
 use crate::prepare::Prepared;
 use crate::skip::SkipGrid;
+use crate::vary::Varied;
 
 /// Lengths that differ by less are the same.
 const ROUNDING: f32 = 1e-6;
@@ -115,6 +116,8 @@ pub struct Matter<'a, S> {
     pub transport: Option<Lookup<'a>>,
     /// Blocks that can contribute, if empty space is skipped.
     pub skip: Option<&'a SkipGrid>,
+    /// What varies them, if anything does.
+    pub varied: Option<Varied<'a>>,
 }
 
 impl<S: Lanes> Matter<'_, S> {
@@ -194,10 +197,17 @@ impl<S: Lanes> Matter<'_, S> {
         if !candidates.any_true() {
             return;
         }
-        let alpha = self.table.at(s, position, None)[3];
+        let mut alpha = self.table.at(s, position, None)[3];
         let visible = candidates & alpha.simd_gt(zero);
         if !visible.any_true() {
             return;
+        }
+        let noise = self.varied.map(
+            #[inline(always)]
+            |varied| (varied, varied.noise(s, &index)),
+        );
+        if let Some((varied, noise)) = &noise {
+            alpha = varied.opacity(s, noise, alpha);
         }
         // Of the length that the tables are for: all of it, but where rays enter or leave, and of near lights.
         let is_whole = (ratio - self.steps).abs().simd_le(splat(s, self.steps * ROUNDING));
@@ -206,7 +216,10 @@ impl<S: Lanes> Matter<'_, S> {
         held[at % texels / TILE] = true;
         visible.select(corrected, zero).store_slice(&mut planes[0][at..at + width::<S>()]);
         if let Some(table) = &self.transport {
-            let through = transport::through(s, table, value, ratio);
+            let mut through = transport::through(s, table, value, ratio);
+            if let Some((varied, noise)) = &noise {
+                through = varied.transport(s, noise, through);
+            }
             for channel in 0..3 {
                 let opacity = visible.select(one - through[channel], zero);
                 opacity.store_slice(&mut planes[channel + 1][at..at + width::<S>()]);

@@ -192,6 +192,7 @@ impl Drawing<'_> {
             correction: settings.correction,
             scales: [settings.direct, settings.indirect],
             skip: prepared.grids.skip.as_ref(),
+            varied: prepared.varied(),
             early_termination: stage.quality.early_termination,
         })
     }
@@ -205,6 +206,7 @@ impl Drawing<'_> {
             table: self.lengths.opacity(),
             transport: self.lengths.transport().filter(|_| self.settings.indirect > 0.0),
             skip: prepared.grids.skip.as_ref(),
+            varied: prepared.varied(),
         })
     }
 }

@@ -7,9 +7,13 @@ use crate::lanes::*;
 #[inline(always)]
 pub fn through<S: Lanes>(s: S, transport: &Lookup, value: F32<S>, ratio: F32<S>) -> [F32<S>; 3] {
     let [r, g, b, _] = transport.lookup(s, value);
-    let (one_step, is_one) = ([r, g, b], ratio.simd_eq(splat(s, 1.0)));
-    if is_one.all_true() {
-        return one_step;
-    }
-    xyz!(C => is_one.select(one_step[C], power(s, one_step[C], ratio)))
+    let one_step = [r, g, b];
+    xyz!(C => over(s, one_step[C], ratio))
+}
+
+/// What gets through `ratio` times the length that `through` is for.
+#[inline(always)]
+pub fn over<S: Lanes>(s: S, through: F32<S>, ratio: F32<S>) -> F32<S> {
+    let is_one = ratio.simd_eq(splat(s, 1.0));
+    if is_one.all_true() { through } else { is_one.select(through, power(s, through, ratio)) }
 }

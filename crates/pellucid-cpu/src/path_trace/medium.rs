@@ -144,6 +144,17 @@ pub struct Medium<'a, F> {
     pub chroma: Option<[f32; 3]>,
 }
 
+/// A collision with a medium as dense as a majorant.
+struct Met {
+    /// In world units from the flight's origin.
+    distance: f32,
+    /// The data value there.
+    value: f32,
+    /// The medium's extinction there, and the majorant, per world unit.
+    extinction: f32,
+    majorant: f32,
+}
+
 /// Below this, a transmittance is left to chance: what gets through is rare and worth as much more.
 const FAINT: f32 = 0.05;
 
@@ -163,8 +174,8 @@ impl<F: Values> Medium<'_, F> {
         looks: &mut u32,
     ) -> Option<Collision> {
         let mut collision = None;
-        self.visit(flight, random, looks, |distance, value, majorant, random| {
-            let (number, extinction) = (random.number(), self.extinctions.at(value));
+        self.visit(flight, random, looks, |Met { distance, value, extinction, majorant }, random| {
+            let number = random.number();
             let is_real = match self.chroma {
                 None => number * majorant < extinction,
                 Some(chroma) => decide(carried, chroma.map(|factor| (factor * extinction / majorant).min(1.0)), number),
@@ -183,8 +194,8 @@ impl<F: Values> Medium<'_, F> {
     pub fn transmittance(&self, flight: &Flight, random: &mut Random, looks: &mut u32) -> [f32; 3] {
         let Some(chroma) = self.chroma else {
             let mut through = 1.0f32;
-            self.visit(flight, random, looks, |_, value, majorant, random| {
-                through *= 1.0 - (self.extinctions.at(value) / majorant).min(1.0);
+            self.visit(flight, random, looks, |Met { extinction, majorant, .. }, random| {
+                through *= 1.0 - (extinction / majorant).min(1.0);
                 if through < FAINT {
                     through = if random.number() * FAINT >= through { 0.0 } else { FAINT };
                 }
@@ -193,10 +204,10 @@ impl<F: Values> Medium<'_, F> {
             return [through; 3];
         };
         let mut through = [1.0f32; 3];
-        self.visit(flight, random, looks, |_, value, majorant, random| {
-            let extinction = self.extinctions.at(value) / majorant;
+        self.visit(flight, random, looks, |Met { extinction, majorant, .. }, random| {
+            let share = extinction / majorant;
             for (through, factor) in through.iter_mut().zip(chroma) {
-                *through *= 1.0 - (factor * extinction).min(1.0);
+                *through *= 1.0 - (factor * share).min(1.0);
             }
             let most = through[0].max(through[1]).max(through[2]);
             if most < FAINT {
@@ -208,15 +219,14 @@ impl<F: Values> Medium<'_, F> {
         through
     }
 
-    /// Goes through the collisions with a medium as dense as the majorants, by distance, data value and majorant,
-    /// until one is the last.
+    /// Goes through the collisions with a medium as dense as the majorants, until one is the last.
     #[inline(always)]
     fn visit(
         &self,
         flight: &Flight,
         random: &mut Random,
         looks: &mut u32,
-        mut is_last: impl FnMut(f32, f32, f32, &mut Random) -> bool,
+        mut is_last: impl FnMut(Met, &mut Random) -> bool,
     ) {
         let mut walk = Walk::new(self.majorants, flight.origin, flight.direction, flight.length);
         let (mut distance, mut depth) = (0.0, random.depth());
@@ -231,8 +241,10 @@ impl<F: Values> Medium<'_, F> {
                     }
                     distance = next;
                     *looks += 1;
-                    let value = self.field.value(flight.at(distance));
-                    if is_last(distance, value, majorant, random) {
+                    let at = flight.at(distance);
+                    let value = self.field.value(at);
+                    let extinction = self.extinctions.at(value) * self.field.extinction(at);
+                    if is_last(Met { distance, value, extinction, majorant }, random) {
                         return;
                     }
                     depth = random.depth();

@@ -19,19 +19,20 @@ mod vertex;
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use pellucid_field::{ComponentView, Gradient, Sampler, Voxels};
 use pellucid_optics::{ColorSpace, Sky};
 use pellucid_scene::{Control, Jitter, MajorantGrid, PathTrace, Region, Stage, StageVolume, TableCache, Tables};
 
 use crate::RenderError;
-use crate::field::Probe;
+use crate::field::{Moved, Probe};
 use crate::tiles::Tile;
 pub use denoise::denoised;
 use extinction::Extinctions;
 use lens::Lens;
 use medium::{Medium, Space};
 use path::World;
-use values::{Any, Trilinear, Values};
+use values::{Any, Perturbed, Trilinear, Values};
 
 /// A stage, made ready for its paths.
 pub struct PathTracer<'s> {
@@ -79,6 +80,10 @@ impl<'s> PathTracer<'s> {
     pub fn drawer(&self) -> Result<Box<dyn Draw + '_>, RenderError> {
         let Tables { field, component, filter, .. } = &*self.tables;
         let sampler = || Sampler::new(field, *component, *filter);
+        let (displacer, variation) = (self.tables.displacer.as_ref(), self.tables.variation.as_ref());
+        if displacer.is_some() || variation.is_some() {
+            return Ok(self.paths(Perturbed { field: self.any(sampler()?), displacer, variation }, sampler()?));
+        }
         if *filter == pellucid_field::Filter::Linear {
             macro_rules! typed {
                 ($data:expr) => {
@@ -95,8 +100,12 @@ impl<'s> PathTracer<'s> {
                 _ => {}
             }
         }
+        Ok(self.paths(self.any(sampler()?), sampler()?))
+    }
+
+    fn any<'a>(&self, sampler: Sampler<'a>) -> Any<'a> {
         let (low, high) = self.volume.volume.grid().index_bounds();
-        Ok(self.paths(Any { sampler: sampler()?, bounds: [low.as_vec3(), high.as_vec3()] }, sampler()?))
+        Any { sampler, bounds: [low.as_vec3(), high.as_vec3()] }
     }
 
     fn paths<'a, F: Values + 'a>(&'a self, field: F, sampler: Sampler<'a>) -> Box<dyn Draw + 'a> {
@@ -107,6 +116,11 @@ impl<'s> PathTracer<'s> {
             Jitter::BlueNoise { seed } => seed.wrapping_add(1),
         };
         let gradient: Gradient = self.stage.quality.gradient;
+        let displacer = self.tables.displacer.as_ref();
+        let mut probe = Probe::new(Moved { sampler, displacer }, grid, &self.region, gradient);
+        if let Some(displacer) = displacer {
+            probe = probe.with_spacing(DVec3::from_array(displacer.spacing.map(f64::from)));
+        }
         Box::new(Paths {
             lens: Lens::new(&self.stage.viewpoint, self.settings),
             width: self.stage.viewpoint.width,
@@ -119,7 +133,7 @@ impl<'s> PathTracer<'s> {
                     majorants: &self.majorants,
                     chroma: self.volume.scattering.extinction_color.map(|color| color.to_linear(ColorSpace::Srgb)),
                 },
-                probe: Probe::new(sampler, grid, &self.region, gradient),
+                probe,
                 table: &self.tables.table,
                 scattering: &self.volume.scattering,
                 material: self.volume.material.as_ref(),

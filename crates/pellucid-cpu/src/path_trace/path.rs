@@ -1,22 +1,21 @@
 //! One path of light, followed from the eye.
 
 use glam::Vec3;
-use pellucid_field::Sampler;
-use pellucid_optics::{Material, PhaseNormalization, Reflection, ResolvedLight, Scattering, Sky, Table};
+use pellucid_optics::{Material, PhaseNormalization, Reflection, ResolvedLight, Scatterer, Scattering, Sky, Table};
 use pellucid_scene::{PathTrace, Ray};
 
 use super::medium::{Flight, Medium};
 use super::random::Random;
 use super::values::Values;
 use super::vertex::{Vertex, scale};
-use crate::field::Probe;
+use crate::field::{Moved, Probe};
 
 /// Everything that paths meet.
 pub struct World<'a, F> {
     /// The medium.
     pub medium: Medium<'a, F>,
     /// For normals.
-    pub probe: Probe<'a, Sampler<'a>>,
+    pub probe: Probe<'a, Moved<'a>>,
     /// Colours by data value.
     pub table: &'a Table,
     /// How the medium scatters.
@@ -70,18 +69,21 @@ impl<F: Values> World<'_, F> {
                 found.depth = (entry + f64::from(collision.distance)) as f32;
             }
             let [r, g, b, opacity] = self.table.lookup(collision.value);
-            let color = [r, g, b];
+            let color = self.medium.field.color(at, [r, g, b]);
             if let Some(material) = self.material {
                 add(&mut found.radiance, throughput, color.map(|v| v * material.emission));
             }
             if scatterings == self.settings.bounces {
                 return found;
             }
-            let vertex = self.surface(at, collision.value, color, -forward, random).unwrap_or_else(|| Vertex::Medium {
-                phase: &self.scattering.phase,
-                normalization: self.scattering.phase_normalization,
-                scatterer: self.scattering.at(f64::from(collision.value), [r, g, b, opacity]),
-                forward,
+            let vertex = self.surface(at, collision.value, color, -forward, random).unwrap_or_else(|| {
+                let scatterer = self.scattering.at(f64::from(collision.value), [r, g, b, opacity]);
+                Vertex::Medium {
+                    phase: &self.scattering.phase,
+                    normalization: self.scattering.phase_normalization,
+                    scatterer: Scatterer { albedo: self.medium.field.color(at, scatterer.albedo), ..scatterer },
+                    forward,
+                }
             });
             let at = if let Vertex::Surface(surface) = &vertex {
                 self.in_front(at, collision.value, surface.normal())

@@ -2,11 +2,24 @@
 
 use glam::Vec3;
 use pellucid_field::{ComponentView, Linear, Reconstruct, Sampler, Voxel};
+use pellucid_optics::{Displacer, Variation};
 
 /// A reconstructed field.
 pub trait Values: Sync {
     /// The data value at a position in index space inside the grid; NaN where it is absent.
     fn value(&self, index: Vec3) -> f32;
+
+    /// The factor of the extinction there.
+    #[inline(always)]
+    fn extinction(&self, _: Vec3) -> f32 {
+        1.0
+    }
+
+    /// A colour there.
+    #[inline(always)]
+    fn color(&self, _: Vec3, color: [f32; 3]) -> [f32; 3] {
+        color
+    }
 }
 
 /// Trilinear values of voxels of a type.
@@ -76,5 +89,30 @@ impl Values for Any<'_> {
     fn value(&self, index: Vec3) -> f32 {
         let [low, high] = self.bounds;
         self.sampler.value(index.max(low).min(high).as_dvec3()) as f32
+    }
+}
+
+/// Any field under noise.
+pub struct Perturbed<'a> {
+    /// The field.
+    pub field: Any<'a>,
+    /// What moves it.
+    pub displacer: Option<&'a Displacer>,
+    /// What varies its optics.
+    pub variation: Option<&'a Variation>,
+}
+
+impl Values for Perturbed<'_> {
+    fn value(&self, index: Vec3) -> f32 {
+        let Some(displacer) = self.displacer else { return self.field.value(index) };
+        self.field.value(Vec3::from_array(displacer.source(index.to_array(), || self.field.value(index))))
+    }
+
+    fn extinction(&self, index: Vec3) -> f32 {
+        self.variation.map_or(1.0, |variation| variation.extinction(variation.at(index.to_array())))
+    }
+
+    fn color(&self, index: Vec3, color: [f32; 3]) -> [f32; 3] {
+        self.variation.map_or(color, |variation| variation.color(variation.at(index.to_array()), color))
     }
 }

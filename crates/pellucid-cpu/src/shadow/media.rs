@@ -8,6 +8,7 @@ use crate::integrator::Counter;
 use crate::lanes::*;
 use crate::samples::March;
 use crate::skip::SkipGrid;
+use crate::vary::Varied;
 
 /// A medium between samples and lights.
 pub struct Media<'a, S> {
@@ -19,6 +20,8 @@ pub struct Media<'a, S> {
     pub ways: ToLights,
     /// Blocks that can contribute, if empty space is skipped.
     pub skip: Option<&'a SkipGrid>,
+    /// What varies opacities, if anything does.
+    pub varied: Option<Varied<'a>>,
 }
 
 impl<S: Lanes> Shadow<S> for Media<'_, S> {
@@ -46,6 +49,9 @@ impl<S: Lanes> Shadow<S> for Media<'_, S> {
                             return all(s, false);
                         }
                         let mut alpha = self.table.at(s, position, None)[3];
+                        if let Some(varied) = &self.varied {
+                            alpha = varied.opacity(s, &varied.noise(s, &sample.index), alpha);
+                        }
                         if sample.shortened {
                             alpha = sample.ratio.simd_lt(one).select(opacity_over(s, alpha, sample.ratio), alpha);
                         }

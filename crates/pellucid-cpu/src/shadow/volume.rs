@@ -84,6 +84,7 @@ fn sweep<S: Lanes>(
         table: lengths.opacity(),
         transport: None,
         skip: prepared.grids.skip.as_ref(),
+        varied: prepared.varied(),
     };
     let mut light = Sweep::new(prepared, settings, geometry, matter, cancelled)?;
     let [nx, ny, _] = points.dims();

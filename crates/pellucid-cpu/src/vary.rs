@@ -1,0 +1,99 @@
+//! Noise on the optics of samples (K-23), for all lanes: the vectors' form of
+//! [`Variation`](pellucid_optics::Variation).
+
+use pellucid_optics::Variation;
+
+use crate::classify::{Classified, Classify, over_length};
+use crate::field::turbulence;
+use crate::lanes::*;
+use crate::samples::Sample;
+
+/// What happens to classified samples, and to segments, by where they are.
+pub trait Vary: Sync {
+    /// Associated colours at index positions.
+    fn vary<S: Lanes>(&self, s: S, index: &Vec3<S>, rgba: [F32<S>; 4]) -> [F32<S>; 4];
+}
+
+/// Nothing: optics depend on the data alone.
+pub struct Uniform;
+
+impl Vary for Uniform {
+    #[inline(always)]
+    fn vary<S: Lanes>(&self, _: S, _: &Vec3<S>, rgba: [F32<S>; 4]) -> [F32<S>; 4] {
+        rgba
+    }
+}
+
+/// Optics that vary.
+#[derive(Clone, Copy)]
+pub struct Varied<'a>(pub &'a Variation);
+
+impl Varied<'_> {
+    /// The noise at index positions, within -1 and 1.
+    #[inline(always)]
+    pub fn noise<S: Lanes>(&self, s: S, index: &Vec3<S>) -> [F32<S>; 4] {
+        let noise = turbulence::<S, 4>(s, self.0.turbulence(), index);
+        rgba!(C => noise[C].max(splat(s, -1.0)).min(splat(s, 1.0)))
+    }
+
+    /// Factors of the extinction.
+    #[inline(always)]
+    fn extinction<S: Lanes>(&self, s: S, noise: &[F32<S>; 4]) -> F32<S> {
+        noise[3].mul_add(splat(s, self.0.weights[0]), splat(s, 1.0)).max(splat(s, Variation::LEAST))
+    }
+
+    /// Opacities of any length.
+    #[inline(always)]
+    pub fn opacity<S: Lanes>(&self, s: S, noise: &[F32<S>; 4], alpha: F32<S>) -> F32<S> {
+        if self.0.weights[0] == 0.0 { alpha } else { opacity_over(s, alpha, self.extinction(s, noise)) }
+    }
+
+    /// Associated colours and opacities of any length.
+    #[inline(always)]
+    pub fn associated<S: Lanes>(&self, s: S, noise: &[F32<S>; 4], rgba: [F32<S>; 4]) -> [F32<S>; 4] {
+        let mut varied = rgba;
+        if self.0.weights[0] != 0.0 {
+            varied = over_length(s, varied, self.extinction(s, noise));
+        }
+        if self.0.weights[1] == 0.0 {
+            return varied;
+        }
+        let [r, g, b] = xyz!(C => {
+            let factor = noise[C].mul_add(splat(s, self.0.weights[1]), splat(s, 1.0));
+            (varied[C] * factor).min(varied[C].max(varied[3]))
+        });
+        [r, g, b, varied[3]]
+    }
+
+    /// What gets through of indirect light.
+    #[inline(always)]
+    pub fn transport<S: Lanes>(&self, s: S, noise: &[F32<S>; 4], through: [F32<S>; 3]) -> [F32<S>; 3] {
+        if self.0.weights[2] == 0.0 {
+            return through;
+        }
+        xyz!(C => power(s, through[C], noise[C].mul_add(splat(s, self.0.weights[2]), splat(s, 1.0))))
+    }
+}
+
+impl Vary for Varied<'_> {
+    #[inline(always)]
+    fn vary<S: Lanes>(&self, s: S, index: &Vec3<S>, rgba: [F32<S>; 4]) -> [F32<S>; 4] {
+        self.associated(s, &self.noise(s, index), rgba)
+    }
+}
+
+/// Classified samples that vary.
+pub struct VariedSamples<'a, C> {
+    /// How they are classified.
+    pub classifier: C,
+    /// What varies them.
+    pub varied: Varied<'a>,
+}
+
+impl<C: Classify> Classify for VariedSamples<'_, C> {
+    #[inline(always)]
+    fn classify<S: Lanes>(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Classified<S>> {
+        let Classified { rgba, visible } = self.classifier.classify(s, value, sample)?;
+        Some(Classified { rgba: self.varied.vary(s, &sample.index, rgba), visible })
+    }
+}
