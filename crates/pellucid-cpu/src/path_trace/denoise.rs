@@ -27,7 +27,7 @@ pub fn denoised(frame: &Frame, samples: u32, control: &Control) -> Result<Vec<[f
     let pixels = frame.width * frame.height;
     let each = |pixel: usize| {
         // Now and then: a pixel takes microseconds.
-        if pixel % 256 == 0 && control.is_cancelled() { Err(RenderError::Cancelled) } else { Ok(pixel) }
+        if pixel.is_multiple_of(256) && control.is_cancelled() { Err(RenderError::Cancelled) } else { Ok(pixel) }
     };
     let alike = |pixel| each(pixel).map(|pixel| 1.0 + picture.neighbours(pixel).map(|(_, weight)| weight).sum::<f32>());
     let whole = (0..pixels).into_par_iter().map(alike).collect::<Result<Vec<_>, _>>()?;
