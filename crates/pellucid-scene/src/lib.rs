@@ -45,7 +45,7 @@ pub use light_tables::LightTables;
 pub use majorants::MajorantGrid;
 pub use quality::{Classification, Jitter, Quality};
 pub use resolve::{ResolveError, Stage, StageVolume};
-pub use scene::{Crop, SampleSource, Scene, Source, VolumeEntry};
+pub use scene::{CloudsSource, Crop, ModelSource, SampleSource, Scene, Source, SpectralSource, VolumeEntry};
 pub use strides::SAMPLES_PER_LOOK;
 pub use tables::{TableCache, TableError, Tables};
 pub use technique::{

@@ -182,6 +182,10 @@ fn toml_errors_point_at_their_line() {
             &["volumes[0].scattering.surface.values", "point 1", "2: expected 0 to 1"],
         ),
         (
+            "[[volumes]]\n[volumes.source.model.clouds]\nseed = 1\n@ellipsoids = 257\n",
+            &["volumes[0].source.model.clouds.ellipsoids", "found 257", "1 to 256"],
+        ),
+        (
             "[[volumes]]\nsource = 'memory'\n[volumes.perturbation.displacement]\n@amplitude = 2\n",
             &["volumes[0].perturbation.displacement.amplitude", "2", "0 to 1"],
         ),

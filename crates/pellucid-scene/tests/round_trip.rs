@@ -85,6 +85,12 @@ fn source() -> impl Strategy<Value = Source> {
                 big_endian
             }
         ),
+        (any::<u32>(), 1usize..=256, dims.clone()).prop_map(|(seed, ellipsoids, dims)| {
+            Source::Model(ModelSource::Clouds(CloudsSource { seed, ellipsoids, dims }))
+        }),
+        ([-9.0..9.0, -9.0..9.0, -9.0..9.0], dims.clone()).prop_map(|(phases, dims)| {
+            Source::Model(ModelSource::Spectral(SpectralSource { phases: [phases; 5], dims }))
+        }),
         (text(), of(dims), of(voxel_type)).prop_map(|(name, dims, voxel_type)| Source::Sample(SampleSource {
             name,
             dims,

@@ -50,5 +50,6 @@ pub use pellucid_field as field;
 #[cfg(feature = "gpu")]
 pub use pellucid_gpu as gpu;
 pub use pellucid_io as io;
+pub use pellucid_model as model;
 pub use pellucid_optics as optics;
 pub use pellucid_scene as scene;

@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use pellucid_field::{FieldError, Grid, Volume, Warning, closed_form};
+use pellucid_field::closed_form::ScalarField;
+use pellucid_field::{FieldError, Grid, Volume, VoxelType, Warning, closed_form};
 use pellucid_io::{Endian, IoError, RawLayout, ReadOptions, Transfer};
+use pellucid_model::{Clouds, Spectral};
 use pellucid_optics::{Environment, OpticsError, SkyMap, SkySource, srgb_decode};
-use pellucid_scene::{SampleSource, Scene, Source, Technique};
+use pellucid_scene::{ModelSource, SampleSource, Scene, Source, Technique};
 
 use crate::phase_file;
 
@@ -27,16 +29,16 @@ pub enum LoadError {
         /// The names there are.
         known: String,
     },
-    /// A built-in field cannot be sampled so.
-    #[error("volumes[{volume}].source.sample: {source}")]
+    /// A built-in field, or a model, cannot be sampled so.
+    #[error("volumes[{volume}].source: {source}")]
     Sample {
         /// Position in the list of volumes.
         volume: usize,
         /// What is impossible.
         source: FieldError,
     },
-    /// A built-in field at this resolution does not fit into memory.
-    #[error("volumes[{volume}].source.sample: {bytes} bytes of voxels do not fit into memory: choose smaller dims")]
+    /// A built-in field, or a model, does not fit into memory at this resolution.
+    #[error("volumes[{volume}].source: {bytes} bytes of voxels do not fit into memory: choose smaller dims")]
     Memory {
         /// Position in the list of volumes.
         volume: usize,
@@ -101,6 +103,7 @@ pub fn load(scene: &Scene, base: impl AsRef<Path>) -> Result<(Vec<Arc<Volume>>, 
                 read(&base.as_ref().join(path), &options, &mut warnings)?
             }
             Source::Sample(sample) => sampled(k, sample)?,
+            Source::Model(model) => modelled(k, model)?,
             Source::Memory => return Err(LoadError::Absent { volume: k }),
         };
         volumes.push(Arc::new(volume));
@@ -157,11 +160,23 @@ fn sampled(volume: usize, sample: &SampleSource) -> Result<Volume, LoadError> {
     let about = field.about();
     let dims = sample.dims.unwrap_or(about.dims);
     let voxel_type = sample.voxel_type.unwrap_or(about.voxel_type);
+    baked(volume, field.as_ref(), dims, voxel_type)
+}
+
+fn modelled(volume: usize, model: &ModelSource) -> Result<Volume, LoadError> {
+    let (field, dims): (Box<dyn ScalarField>, _) = match model {
+        ModelSource::Clouds(clouds) => (Box::new(Clouds::new(clouds.seed.into(), clouds.ellipsoids)), clouds.dims),
+        ModelSource::Spectral(spectral) => (Box::new(Spectral { phases: spectral.phases }), spectral.dims),
+    };
+    baked(volume, field.as_ref(), dims, field.about().voxel_type)
+}
+
+fn baked(volume: usize, field: &dyn ScalarField, dims: [usize; 3], voxel_type: VoxelType) -> Result<Volume, LoadError> {
     let failed = |source| LoadError::Sample { volume, source };
     let bytes = Grid::new(dims).map_err(failed)?.len() * voxel_type.size();
     // An allocation that fails within would end the program: ask first.
     if Vec::<u8>::new().try_reserve_exact(bytes).is_err() {
         return Err(LoadError::Memory { volume, bytes });
     }
-    closed_form::sample_field(field.as_ref(), dims, voxel_type).map_err(failed)
+    closed_form::sample_field(field, dims, voxel_type).map_err(failed)
 }

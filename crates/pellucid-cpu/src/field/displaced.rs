@@ -156,6 +156,12 @@ mod tests {
                 if !region.contains(grid.world_from_index().transform_point3(p)) {
                     continue;
                 }
+                // A tap that lies in the border but for a rounding is there for lanes, and absent in f64.
+                let (low, high) = grid.index_bounds();
+                let gaps = [p + step - high, p - step - low].map(|gap| gap.abs().min_element());
+                if gaps[0].min(gaps[1]) < 2e-4 {
+                    continue;
+                }
                 let (value, gradient) = (probe.value(p), probe.gradient(p));
                 // Positions are rounded to 1e-6 of a voxel, and values change by up to 2 a voxel, gradients' taps
                 // are 1/16 of a voxel apart at the least.
