@@ -196,7 +196,7 @@ impl Variation {
 
     /// An associated colour and its opacity under a noise.
     pub fn associated(&self, noise: [f32; 4], rgba: [f32; 4]) -> [f32; 4] {
-        let [r, g, b, opacity] = correct_associated(rgba, self.extinction(noise).into());
+        let [r, g, b, opacity] = correct_associated(rgba, self.extinction(noise));
         let varied = |c: usize, color: f32| (color * (1.0 + self.weights[1] * noise[c])).min(color.max(opacity));
         [varied(0, r), varied(1, g), varied(2, b), opacity]
     }
