@@ -60,9 +60,12 @@ fn sun(scene: &mut Scene) {
     scene.lighting.shadows = Shadows::Rays(ShadowRays::default());
 }
 
+/// What makes a technique of a scene.
+type Setting = Box<dyn Fn(&mut Scene)>;
+
 /// Every way of the processor to look at a field.
-fn techniques() -> Vec<(&'static str, Box<dyn Fn(&mut Scene)>)> {
-    fn mode(mode: Mode) -> Box<dyn Fn(&mut Scene)> {
+fn techniques() -> Vec<(&'static str, Setting)> {
+    fn mode(mode: Mode) -> Setting {
         Box::new(move |scene| set_mode(scene, mode.clone()))
     }
     let isosurface = Isosurface { isovalues: vec![Isovalue { value: 0.3, color: None, opacity: 1.0 }] };

@@ -177,7 +177,7 @@ mod tests {
     fn lanes_do_as_one_position_does() {
         let grid = Grid::with_spacing([17, 13, 10], [1.0, 1.5, 0.8], [1.0, 2.0, 3.0]).unwrap();
         let value = |i: usize| (i % 17) as f32 * 0.1 + ((i / 17) as f32 * 0.7).sin();
-        let volume = Volume::new(grid.clone(), (0..17 * 13 * 10).map(value).collect::<Vec<f32>>()).unwrap();
+        let volume = Volume::new(grid, (0..17 * 13 * 10).map(value).collect::<Vec<f32>>()).unwrap();
         let mut clipped = Region::from_clips(&[]);
         clipped.keep(DVec3::new(1.0, 1.0, 0.5), DVec3::new(5.0, 7.0, 5.0));
         let noise = Arc::new(Noise::new(5));
