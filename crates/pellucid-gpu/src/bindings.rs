@@ -60,6 +60,7 @@ impl<'a> Bindings<'a> {
             weighted: optics.weighted,
             scattered: optics.tables.light.scatter.is_some(),
             shadowed: stage.shadow_step(volume).is_some(),
+            perturbed: uploads.perturbation.is_some(),
             opaque: optics.opaque,
             kernels: kernels.is_some(),
             ..Variant::of(optics.pass)
@@ -127,6 +128,10 @@ impl<'a> Bindings<'a> {
         }
         if let Some(kernels) = &self.kernels {
             entries.push(BindGroupEntry { binding: 3, resource: kernels.as_entire_binding() });
+        }
+        if let Some(noise) = &self.uploads.perturbation {
+            entries.push(BindGroupEntry { binding: 5, resource: BindingResource::TextureView(&noise.texels) });
+            entries.push(BindGroupEntry { binding: 6, resource: noise.numbers.as_entire_binding() });
         }
         if self.variant.has_voxels() {
             entries.push(BindGroupEntry { binding: 4, resource: BindingResource::TextureView(voxels) });

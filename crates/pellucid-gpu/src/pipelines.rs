@@ -174,6 +174,9 @@ fn volume_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
     if variant.kernels {
         types.push((3, constants(device, None)));
     }
+    if variant.perturbed {
+        types.extend([(5, texture(TextureSampleType::Float { filterable: false })), (6, constants(device, None))]);
+    }
     if variant.has_voxels() {
         types.push((4, texture(TextureSampleType::Float { filterable: false })));
     }

@@ -124,7 +124,8 @@ impl GpuRenderer {
         };
         let noisy = |volume: &StageVolume| volume.perturbation.displaces() || volume.perturbation.varies();
         match &stage.technique {
-            _ if stage.volumes.iter().any(noisy) => Some("volumes.perturbation".to_owned()),
+            // Slices take a sample at its own place.
+            Technique::Slicing(_) if stage.volumes.iter().any(noisy) => Some(format!("volumes.perturbation in {name}")),
             Technique::PathTrace(settings) => lacks_of_paths(stage, settings),
             _ if lit && stage.lights.iter().any(ResolvedLight::is_face) => {
                 Some("lighting.lights of kind rectangle".to_owned())
@@ -252,8 +253,9 @@ impl GpuRenderer {
         };
         let (plan, bricks) = MemoryPlan::new(&self.device, self.budget, stage, volume, &sources, &optics, demands)?;
         let travels = matches!(stage.technique, Technique::HalfAngle(_) | Technique::PathTrace(_));
-        if (travels || stage.shadow_step(volume).is_some()) && bricks.len() > 1 {
-            let what = "the volume, which light on its way needs whole,".to_owned();
+        let moves = tables.displacer.is_some() || tables.variation.is_some();
+        if (travels || moves || stage.shadow_step(volume).is_some()) && bricks.len() > 1 {
+            let what = "the volume, which light on its way and noise need whole,".to_owned();
             let needed = volume.volume.voxels().as_bytes().len() as u64;
             let advice = "draw it with --backend cpu, or resample it";
             return Err(GpuError::Budget { what, needed, budget: plan.budget, advice });

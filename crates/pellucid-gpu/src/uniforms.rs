@@ -252,6 +252,7 @@ fn rows(matrix: DMat3, last: DVec3) -> [Four; 3] {
 mod tests {
     use super::*;
     use crate::half_angle::Sweep;
+    use crate::noise::{Noise, Term};
     use crate::path_trace::Paths;
     use crate::shaders::{self, Constants, Traversal, Variant};
     use crate::slicing::SliceBox;
@@ -304,6 +305,10 @@ mod tests {
         let paths = fields!(Paths: counts more numbers top bottom index_x index_y index_z lens_right lens_up);
         let trace = Variant::of(shaders::Pass::PathTrace).canonical().link(Constants::Uniform).unwrap();
         assert_eq!(layout(&trace, "Paths"), paths);
+        let noisy = Variant { perturbed: true, ..Variant::of(shaders::Pass::Composite) };
+        let noisy = noisy.link(Constants::Uniform).unwrap();
+        assert_eq!(layout(&noisy, "Noise"), fields!(Noise: amplitude reach spacing between weights counts terms));
+        assert_eq!(layout(&noisy, "Term"), fields!(Term: scale start));
         assert_eq!(layout(&resolve, "Pixel"), fields!(Pixel: color surface counts));
         assert_eq!(layout(&resolve, "State").1 as u64, STATE_BYTES);
     }

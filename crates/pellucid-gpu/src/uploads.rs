@@ -6,6 +6,7 @@ use bytemuck::{Pod, cast_slice};
 use pellucid_scene::{BLUE_NOISE_TILE, BlockContent, BlockMap, Tables, blue_noise};
 use wgpu::{Buffer, BufferUsages, TextureFormat, TextureView};
 
+use crate::noise::UploadedNoise;
 use crate::optics::Optics;
 use crate::shaders::Pass;
 use crate::{Device, texture};
@@ -19,6 +20,8 @@ pub struct Uploads {
     pub entries: Buffer,
     /// What rays ask of blocks.
     pub blocks: TextureView,
+    /// Noise on the volume, if there is some.
+    pub perturbation: Option<UploadedNoise>,
     /// How samples scatter.
     pub scattering: Buffer,
     /// Isosurfaces.
@@ -39,6 +42,7 @@ impl Uploads {
             bleeds: optics.bleeds,
             entries: storage(device, "table", &optics.entries),
             blocks: block_texture(device, optics.blocks, optics.pass.compares_extremes()),
+            perturbation: UploadedNoise::new(device, tables),
             scattering: storage(device, "scattering", &optics.scattering),
             levels: storage(device, "levels", &optics.levels),
             noise: storage(device, "noise", &noise),

@@ -78,6 +78,14 @@ fn pictures_are_those_of_the_cpu_but_for_noise() {
                  [[clips]]\nplane = {{ point = [1, 0, 0], normal = [0.6, 0.2, -0.7] }}\n"
             ),
         ),
+        (
+            "albedo.constant = 0.9",
+            format!(
+                "[volumes.perturbation.displacement]\namplitude = 0.1\noctaves = [{{ frequency = 0.3 }}]\n\
+                 [volumes.perturbation.optics]\nopacity = 0.8\ncolor = 0.6\n\
+                 {sun}[technique.path_trace]\nsamples = 256\n{sky}\n"
+            ),
+        ),
     ];
     for (scattering, rest) in cases {
         let stage = clouds(scattering, &rest);

@@ -144,6 +144,6 @@ mod tests {
         let content = BlockContent::Distances(distances.clone());
         let blocks = BlockMap { dims, size: 4, content, levels: None };
         let boxes = live_boxes(&blocks, &distances);
-        assert_eq!(boxes, [(DVec3::new(0.0, 0.0, 180.0), DVec3::new(12.0, 12.0, 192.0))]);
+        assert_eq!(boxes, [(DVec3::new(0.0, 0.0, 60.0), DVec3::new(12.0, 12.0, 72.0))]);
     }
 }

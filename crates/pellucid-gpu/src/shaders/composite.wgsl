@@ -5,6 +5,7 @@
 #import pellucid::march::State
 #import pellucid::surface::add_sample
 #import pellucid::table::{classify_stride, over_length}
+#import pellucid::vary::varied
 #ifdef PRECLASSIFIED
 #import pellucid::preclassify::classify_voxels
 #endif
@@ -21,7 +22,7 @@ fn visit(state: ptr<function, State>, ray: Ray, sample: Sample, p: vec3<f32>) ->
     let value = field_value(p);
     let classified = classify_stride(value, sample.level);
 #endif
-    let rgba = over_length(classified, sample.ratio);
+    let rgba = over_length(varied(p, classified), sample.ratio);
     if rgba.a <= 0.0 {
         return false;
     }

@@ -3,6 +3,9 @@
 
 #import pellucid::frame::{frame, bounds}
 #import pellucid::ray::planes
+#ifdef PERTURBED
+#import pellucid::noise::{amplitude_at, displaced, displaces, noise}
+#endif
 #ifdef KERNELS
 #import pellucid::kernel::{kernels, weight, MOST_FOURS, MOST_GRADIENT_TAPS}
 #endif
@@ -82,7 +85,7 @@ fn stored_voxel(voxel: vec3<i32>) -> f32 {
 
 #ifdef HARDWARE
 // The data value at a position, interpolated by the sampler.
-fn field_value(p: vec3<f32>) -> f32 {
+fn still_value(p: vec3<f32>) -> f32 {
 #ifdef STACK
     // Between two layers by two fetches (3.4-1); one where a position lies in a layer.
     const ROUNDING: f32 = 1e-3;
@@ -185,7 +188,7 @@ fn filtered(q: vec3<f32>, nearest: f32) -> f32 {
 #endif
 
 // The data value at a position, reconstructed exactly; ABSENT where there is none.
-fn field_value(p: vec3<f32>) -> f32 {
+fn still_value(p: vec3<f32>) -> f32 {
     let q = inside_grid(p);
     var nearest = 0.0;
 #ifdef HOLES
@@ -206,6 +209,26 @@ fn field_value(p: vec3<f32>) -> f32 {
     return data_value(trilinear(q, nearest));
 }
 #endif
+
+// Where what is drawn at a position comes from.
+fn source_of(p: vec3<f32>) -> vec3<f32> {
+#ifdef PERTURBED
+    var part = select(0.0, 1.0, displaces());
+    if displaces() && noise.between.z != 0.0 {
+        let value = still_value(p);
+        part = select(0.0, amplitude_at(value), is_present(value));
+    }
+    if part > 0.0 {
+        return displaced(p, part);
+    }
+#endif
+    return p;
+}
+
+// The data value that is drawn at a position; ABSENT where there is none.
+fn field_value(p: vec3<f32>) -> f32 {
+    return still_value(source_of(p));
+}
 
 // The rounding of positions must not cut off what lies in the border, in voxels.
 const ROOM: f32 = 1e-4;
@@ -333,7 +356,7 @@ fn is_whole_around(q: vec3<f32>) -> bool {
 }
 
 // The gradient in data units per world length, by the estimator that is asked for.
-fn field_gradient(p: vec3<f32>) -> vec3<f32> {
+fn still_gradient(p: vec3<f32>) -> vec3<f32> {
     let q = clamp(p, frame.low.xyz, frame.high.xyz);
     if is_whole_around(q) {
         let slopes = summed_gradient(select(q, floor(q + 0.5), kernels.flags.y != 0u));
@@ -362,7 +385,7 @@ fn slope(before: f32, at: f32, after: f32) -> f32 {
 }
 
 // The gradient in data units per world length, by central differences over one voxel.
-fn field_gradient(p: vec3<f32>) -> vec3<f32> {
+fn still_gradient(p: vec3<f32>) -> vec3<f32> {
     let at = field_value(p);
     if !is_present(at) {
         return vec3<f32>(0.0);
@@ -378,3 +401,36 @@ fn field_gradient(p: vec3<f32>) -> vec3<f32> {
     return world_gradient(g);
 }
 #endif
+
+#ifdef PERTURBED
+// Central differences of the displaced field, one-sided beside what is absent.
+fn displaced_gradient(p: vec3<f32>) -> vec3<f32> {
+    let center = field_value(p);
+    var g = vec3<f32>(0.0);
+    if !is_present(center) {
+        return g;
+    }
+    for (var axis = 0u; axis < 3u; axis += 1u) {
+        var step = vec3<f32>(0.0);
+        step[axis] = noise.spacing[axis];
+        let before = tap(p - step);
+        let after = tap(p + step);
+        let has_before = is_present(before);
+        let has_after = is_present(after);
+        let down = select(select(0.0, after - center, has_after), center - before, has_before);
+        let up = select(down, after - center, has_after);
+        g[axis] = (up + down) * 0.5 / noise.spacing[axis];
+    }
+    return world_gradient(g);
+}
+#endif
+
+// The gradient of what is drawn, in data units per world length.
+fn field_gradient(p: vec3<f32>) -> vec3<f32> {
+#ifdef PERTURBED
+    if displaces() {
+        return displaced_gradient(p);
+    }
+#endif
+    return still_gradient(p);
+}

@@ -56,7 +56,7 @@ fn seen(passage: Passage, matter: Matter, slab: u32, to_eye: vec3<f32>) -> vec4<
         let through = 1.0 - opacity_over(matter.color.a, inside);
         direct *= through;
 #ifdef TRANSPORT
-        indirect *= transported(matter.value, inside);
+        indirect *= transported(p, matter.value, inside);
 #else
         indirect *= through;
 #endif

@@ -38,7 +38,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     var opacity = vec3<f32>(alpha);
 #ifdef TRANSPORT
     if matter.color.a > 0.0 {
-        opacity = 1.0 - transported(matter.value, passage.ratio);
+        opacity = 1.0 - transported(passage.position, matter.value, passage.ratio);
     }
 #endif
     var middle = vec2<f32>(id) + 0.5;

@@ -24,12 +24,14 @@ macro_rules! source {
 }
 
 /// What passes import; each only from those above it.
-const SHARED: [Source; 24] = [
+const SHARED: [Source; 26] = [
     source!("frame"),
     source!("ray"),
     source!("kernel"),
+    source!("noise"),
     source!("field"),
     source!("table"),
+    source!("vary"),
     source!("levels"),
     source!("skip"),
     source!("shadow"),
@@ -258,6 +260,8 @@ pub struct Variant {
     pub gated: bool,
     /// What lies between lights and samples holds light back.
     pub shadowed: bool,
+    /// Noise moves the field, or varies its optics.
+    pub perturbed: bool,
 }
 
 impl Variant {
@@ -285,6 +289,7 @@ impl Variant {
             scatters_direct: off,
             gated: off,
             shadowed: off,
+            perturbed: off,
         }
     }
 
@@ -292,7 +297,7 @@ impl Variant {
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for (pass, traversal) in Pass::ALL.into_iter().flat_map(|pass| Traversal::ALL.map(|how| (pass, how))) {
-            for bits in 0..1 << 18 {
+            for bits in 0..1 << 19 {
                 let on = |bit: u32| bits >> bit & 1 == 1;
                 let variant = Self {
                     pass,
@@ -315,6 +320,7 @@ impl Variant {
                     scatters_direct: on(15),
                     gated: on(16),
                     shadowed: on(17),
+                    perturbed: on(18),
                 };
                 if variant == variant.canonical() {
                     all.push(variant);
@@ -365,6 +371,7 @@ impl Variant {
         self.scatters_direct &= self.indirect && self.pass == HalfAngleLight;
         self.gated &= self.scatters_direct;
         // Light meets the whole volume, along rays that the eye's rays ask for.
+        self.perturbed &= reads && !slices && !self.bricks;
         self.shadowed &= self.lights() && self.pass.samples() && !slices && !self.bricks;
         self
     }
@@ -405,6 +412,7 @@ impl Variant {
             ("SCATTERS_DIRECT", self.scatters_direct),
             ("GATED", self.gated),
             ("SHADOWED", self.shadowed),
+            ("PERTURBED", self.perturbed),
             ("SURFACES", self.pass == Pass::Isosurface),
             ("SEGMENTS", self.pass == Pass::PreIntegrated),
             ("EXTREMES", self.pass.compares_extremes()),

@@ -78,7 +78,7 @@ fn vertex_of(p: vec3<f32>, value: f32, color: vec3<f32>, forward: vec3<f32>) -> 
         return Vertex(vec4<f32>(color, 0.0), forward, normal, true);
     }
 #endif
-    return cloud_vertex(value, forward);
+    return cloud_vertex(p, value, forward);
 }
 
 struct Light {

@@ -4,7 +4,7 @@
 #import pellucid::march::{states, HIT, NOWHERE}
 #import pellucid::pixel::{Pixel, pixels}
 #import pellucid::ray::{ray_at, ray_of, sample_of}
-#import pellucid::table::classify
+#import pellucid::paths::matter_at
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -20,7 +20,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         var thickness = 0.0;
         for (var k = 0.0; k < ray.count; k += 1.0) {
             let sample = sample_of(ray, k);
-            thickness += classify(field_value(ray_at(ray, sample.distance))).a * sample.ratio;
+            let p = ray_at(ray, sample.distance);
+            thickness += matter_at(p, field_value(p)).a * sample.ratio;
             if thickness >= 0.6931472 {
                 depth = (ray.entry + sample.distance) * frame.picture.w;
                 break;

@@ -7,6 +7,9 @@
 #import pellucid::field::{field_value, is_present}
 #import pellucid::random::{random, random_depth}
 #import pellucid::table::classify
+#ifdef PERTURBED
+#import pellucid::noise::{noise, variation_at, varied_color, varied_extinction}
+#endif
 
 struct Paths {
     // Seeds; paths per pixel; most scatterings.
@@ -120,6 +123,18 @@ fn advance(walk: ptr<function, Walk>, flight: Flight, distance_to_next: f32) -> 
     return exit;
 }
 
+// Colour, and extinction per step, of a value at a position.
+fn matter_at(p: vec3<f32>, value: f32) -> vec4<f32> {
+    let matter = classify(value);
+#ifdef PERTURBED
+    if noise.counts.y > 0u {
+        let variation = variation_at(p);
+        return vec4<f32>(varied_color(variation, matter.rgb, 1.0), matter.a * varied_extinction(variation));
+    }
+#endif
+    return matter;
+}
+
 // The next collision along a flight, by delta tracking (Woodcock et al. 1965): a collision with a medium as dense as
 // the majorant is one with the medium as often as that is as dense.
 fn collide(flight: Flight) -> Collision {
@@ -138,8 +153,9 @@ fn collide(flight: Flight) -> Collision {
             }
             distance = next;
             found.looks += 1u;
-            let value = field_value(flight.origin + flight.direction * distance);
-            let matter = classify(value);
+            let p = flight.origin + flight.direction * distance;
+            let value = field_value(p);
+            let matter = matter_at(p, value);
             if random() * block.x < matter.a {
                 found.distance = distance;
                 found.value = value;
@@ -176,7 +192,8 @@ fn transmittance(flight: Flight) -> vec2<f32> {
             }
             distance = next;
             looks += 1.0;
-            let matter = classify(field_value(flight.origin + flight.direction * distance));
+            let p = flight.origin + flight.direction * distance;
+            let matter = matter_at(p, field_value(p));
             through *= 1.0 - min(matter.a / block.x, 1.0);
             if through < FAINT {
                 if random() * FAINT >= through {

@@ -2,7 +2,7 @@
 #define_import_path pellucid::preclassify
 
 #import pellucid::frame::bounds
-#import pellucid::field::{cell_of, data_value, inside_grid, is_present, last_voxel, stored_voxel}
+#import pellucid::field::{cell_of, data_value, inside_grid, is_present, last_voxel, stored_voxel, source_of}
 #import pellucid::frame::frame
 #import pellucid::table::{classify, opacity_over}
 #ifdef KERNELS
@@ -47,7 +47,7 @@ fn color_of(voxel: vec3<i32>) -> vec4<f32> {
 
 // Under the filter's weights; kernels that reach over the border meet the border voxel again.
 fn classify_voxels(p: vec3<f32>) -> vec4<f32> {
-    let q = inside_grid(p);
+    let q = inside_grid(source_of(p));
     let last = last_voxel();
     let taps = kernels.taps.x;
     if taps == 0u {
@@ -84,7 +84,7 @@ fn color_of(voxel: vec3<i32>) -> vec4<f32> {
 }
 
 fn classify_voxels(p: vec3<f32>) -> vec4<f32> {
-    let q = inside_grid(p);
+    let q = inside_grid(source_of(p));
     let a = cell_of(q);
     let b = min(a + 1, last_voxel());
     let u = q - vec3<f32>(a);

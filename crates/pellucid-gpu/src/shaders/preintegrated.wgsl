@@ -3,7 +3,8 @@
 #define_import_path pellucid::mode
 
 #import pellucid::frame::frame
-#import pellucid::ray::{Ray, Segment}
+#import pellucid::ray::{Ray, Segment, ray_at}
+#import pellucid::vary::varied
 #import pellucid::field::is_present
 #import pellucid::march::State
 #import pellucid::surface::add_sample
@@ -53,14 +54,14 @@ fn between(front: f32, back: f32, length: f32) -> vec4<f32> {
 
 // Returns whether the ray is done.
 fn visit_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool {
-    let rgba = between(segment.value.x, segment.value.y, segment.length);
+    let middle = (segment.distance.x + segment.distance.y) * 0.5;
+    let rgba = varied(ray_at(ray, middle), between(segment.value.x, segment.value.y, segment.length));
     if rgba.a <= 0.0 {
         return false;
     }
     (*state).counts.y += 1u;
     let front = select(segment.value.y, segment.value.x, is_present(segment.value.x));
     let back = select(segment.value.x, segment.value.y, is_present(segment.value.y));
-    let middle = (segment.distance.x + segment.distance.y) * 0.5;
     return add_sample(state, ray, middle, (front + back) * 0.5, rgba);
 }
 

@@ -1,6 +1,10 @@
 // How samples scatter the light of sources once (6.2, K-07): the tables of `scattering.rs`.
 #define_import_path pellucid::scatter
 
+#ifdef PERTURBED
+#import pellucid::noise::{noise, variation_at, varied_transport}
+#endif
+
 struct Scattering {
     // Where the entries of a table are: node = (value - x) * y; the first entry's place, and how many there are.
     // Anisotropy and surfaces; transport colours, for paths the albedo; the phase function by its angle.
@@ -58,11 +62,17 @@ fn gradient_share(magnitude: f32) -> f32 {
     return t * t * (3.0 - 2.0 * t);
 }
 
-// What gets through of indirect light over so many steps of a value (K-08).
-fn transported(value: f32, steps: f32) -> vec3<f32> {
+// What gets through of indirect light over so many steps of a value at a position (K-08).
+fn transported(p: vec3<f32>, value: f32, steps: f32) -> vec3<f32> {
     let table = scattering.transport;
     let one = entry(table, (value - table.x) * table.y).rgb;
-    return select(vec3<f32>(0.0), pow(one, vec3<f32>(steps)), one > vec3<f32>(0.0));
+    var lengths = vec3<f32>(steps);
+#ifdef PERTURBED
+    if noise.counts.y > 0u {
+        lengths *= varied_transport(variation_at(p));
+    }
+#endif
+    return select(vec3<f32>(0.0), pow(one, lengths), one > vec3<f32>(0.0));
 }
 
 fn henyey_greenstein(g: f32, mu: f32) -> f32 {

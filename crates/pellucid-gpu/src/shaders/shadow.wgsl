@@ -9,6 +9,7 @@
 #import pellucid::levels::{between, levels}
 #else
 #import pellucid::table::{homogeneous, opacity_over}
+#import pellucid::vary::varied
 #ifdef SKIP
 #import pellucid::skip::clear_steps
 #import pellucid::ray::nonzeros
@@ -69,9 +70,11 @@ fn left_of_light(place: vec4<f32>, p: vec3<f32>) -> f32 {
 #endif
         for (var i = 0u; i < RUN && k < count && through >= DARK; i += 1u) {
             let ratio = select(1.0, last, k >= count - 1.0);
-            let value = field_value(origin + direction * (k + 0.5 * ratio));
+            let p_at = origin + direction * (k + 0.5 * ratio);
+            let value = field_value(p_at);
             if is_present(value) {
-                through *= 1.0 - opacity_over(homogeneous(value), ratio * frame.shadows.y);
+                let alpha = varied(p_at, vec4<f32>(0.0, 0.0, 0.0, homogeneous(value))).a;
+                through *= 1.0 - opacity_over(alpha, ratio * frame.shadows.y);
             }
             k += 1.0;
         }

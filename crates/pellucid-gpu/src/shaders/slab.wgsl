@@ -5,6 +5,7 @@
 #import pellucid::field::field_value
 #import pellucid::sweep::Passage
 #import pellucid::table::classify
+#import pellucid::vary::varied
 #ifdef SKIP
 #import pellucid::skip::is_empty
 #endif
@@ -24,7 +25,7 @@ fn matter_of(passage: Passage) -> Matter {
     // A loop, because processors whose lanes share branches may jump over it where all of them are empty.
     while is_asked {
         matter.value = field_value(passage.position);
-        matter.color = classify(matter.value);
+        matter.color = varied(passage.position, classify(matter.value));
         is_asked = false;
     }
     return matter;

@@ -5,6 +5,9 @@
 #import pellucid::frame::frame
 #import pellucid::light::{Incident, normalized}
 #import pellucid::random::random
+#ifdef PERTURBED
+#import pellucid::noise::{noise, variation_at, varied_color}
+#endif
 #import pellucid::scatter::{entry, scattering, scatterer_of, phase_value, phase_weight, phase_density, phase_cosine}
 
 const PI: f32 = 3.14159265;
@@ -32,9 +35,14 @@ fn turned(axis: vec3<f32>, mu: f32, turn: f32) -> vec3<f32> {
 }
 
 // How a sample of the medium scatters.
-fn cloud_vertex(value: f32, forward: vec3<f32>) -> Vertex {
+fn cloud_vertex(p: vec3<f32>, value: f32, forward: vec3<f32>) -> Vertex {
     let table = scattering.transport;
-    let albedo = entry(table, (value - table.x) * table.y).rgb;
+    var albedo = entry(table, (value - table.x) * table.y).rgb;
+#ifdef PERTURBED
+    if noise.counts.y > 0u {
+        albedo = varied_color(variation_at(p), albedo, 1.0);
+    }
+#endif
     return Vertex(vec4<f32>(albedo, scatterer_of(value).g), forward, vec3<f32>(0.0), false);
 }
 
