@@ -7,8 +7,8 @@ use pellucid_field::{FieldError, VoxelType};
 /// Heights at the points of a rectangle, x fastest; samples lie **at** the points, and the borders hold beyond.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightMap {
-    dims: [usize; 2],
-    heights: Vec<f32>,
+    pub(crate) dims: [usize; 2],
+    pub(crate) heights: Vec<f32>,
 }
 
 impl HeightMap {

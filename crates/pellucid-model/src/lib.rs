@@ -8,6 +8,7 @@
 mod clouds;
 mod height_field;
 mod spectral;
+mod terrain;
 
 pub use clouds::Clouds;
 pub use height_field::{HeightField, HeightMap, Ramp};

@@ -159,3 +159,22 @@ fn what_is_no_slab_is_refused() {
     assert!(HeightField::new(map(), [0.0, 1.0], 0.6, Ramp::Outside).is_ok());
     assert!(HeightField::new(map(), [0.0, 1.0], 0.0, Ramp::Outside).is_err());
 }
+
+#[test]
+fn land_is_that_of_its_seed_and_lies_from_low_to_high() {
+    let (one, again, other) = (HeightMap::terrain(3, 64), HeightMap::terrain(3, 64), HeightMap::terrain(4, 64));
+    assert_eq!(one, again);
+    assert_ne!(one, other);
+    let heights: Vec<f64> = (0..400).map(|k| one.at(DVec2::new(f64::from(k % 20), f64::from(k / 20)) / 20.0)).collect();
+    let (low, high) = heights.iter().fold((1.0f64, 0.0f64), |(low, high), h| (low.min(*h), high.max(*h)));
+    assert!((0.0..0.2).contains(&low) && (0.5..=1.0).contains(&high), "{low} to {high}");
+    // Finer points are the same land.
+    let fine = HeightMap::terrain(3, 512).for_footprint(8.0);
+    assert_eq!(fine.dims(), [64, 64]);
+    let apart = heights
+        .iter()
+        .enumerate()
+        .map(|(k, height)| (fine.at(DVec2::new((k % 20) as f64, (k / 20) as f64) / 20.0) - height).abs());
+    assert!(apart.sum::<f64>() / 400.0 < 0.05);
+    assert!((one.clone().scaled(0.5).at(DVec2::splat(0.3)) - one.at(DVec2::splat(0.3)) / 2.0).abs() < 1e-6);
+}

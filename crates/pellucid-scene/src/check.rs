@@ -50,3 +50,8 @@ pub(crate) fn join(path: &str, key: &str) -> String {
         _ => format!("{path}.{key}"),
     }
 }
+
+/// Numbers of voxels per axis.
+pub(crate) fn dims(path: &str, key: &str, found: &[usize; 3]) -> Checked {
+    require(found.iter().all(|n| (1..=65_536).contains(n)), path, key, format!("{found:?}"), "1 to 65536 per axis")
+}

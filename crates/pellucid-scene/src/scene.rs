@@ -7,9 +7,9 @@ use pellucid_optics::{GradientWeight, Lighting, Material, Perturbation, Scatteri
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::check::{Checked, finite, join, positive, require};
+use crate::check::{self, Checked, finite, join, positive, require};
 use crate::check_optics;
-use crate::{Camera, Clip, ImageSettings, Invalid, Quality, Technique};
+use crate::{Camera, Clip, ImageSettings, Invalid, ModelSource, Quality, Technique};
 
 /// Everything that decides a picture. Whatever is left out is chosen automatically or takes its
 /// documented default.
@@ -208,52 +208,6 @@ pub enum Source {
     Memory,
 }
 
-/// A procedure, and how it is baked into voxels: once, when the scene is loaded, one evaluation a voxel.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "snake_case")]
-pub enum ModelSource {
-    /// The large shape of a cloud: ellipsoids that blend into each other, in a box of 2 x 2 x 1.2, values 0 to 1
-    /// (K-25). `perturbation` gives it detail.
-    Clouds(CloudsSource),
-    /// Smoke: the magnitude of five octaves of sines in a box of 1 x 1 x 1 (MOD-06).
-    Spectral(SpectralSource),
-}
-
-/// A cloud of ellipsoids.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct CloudsSource {
-    /// Number of the cloud: the same seed is the same cloud everywhere. Default 0.
-    pub seed: u32,
-    /// How many ellipsoids, 1 to 256. Default 32.
-    #[schemars(range(min = 1, max = 256))]
-    pub ellipsoids: usize,
-    /// Voxels per axis, 1 to 65536; left out, 64 along each.
-    pub dims: [usize; 3],
-}
-
-impl Default for CloudsSource {
-    fn default() -> Self {
-        Self { seed: 0, ellipsoids: 32, dims: [64; 3] }
-    }
-}
-
-/// Smoke of sines.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct SpectralSource {
-    /// Phases of every octave along x, y and z, in radians; left out, all 0.
-    pub phases: [[f64; 3]; 5],
-    /// Voxels per axis, 1 to 65536; left out, 128 along each.
-    pub dims: [usize; 3],
-}
-
-impl Default for SpectralSource {
-    fn default() -> Self {
-        Self { phases: [[0.0; 3]; 5], dims: [128; 3] }
-    }
-}
-
 fn one() -> usize {
     1
 }
@@ -282,21 +236,11 @@ impl Source {
                 Some((dims, "raw.dims"))
             }
             Self::Sample(sample) => sample.dims.as_ref().map(|dims| (dims, "sample.dims")),
-            Self::Model(ModelSource::Clouds(clouds)) => {
-                let count = clouds.ellipsoids;
-                require((1..=256).contains(&count), path, "model.clouds.ellipsoids", count, "1 to 256")?;
-                Some((&clouds.dims, "model.clouds.dims"))
-            }
-            Self::Model(ModelSource::Spectral(spectral)) => {
-                for (octave, phases) in spectral.phases.iter().enumerate() {
-                    finite(path, &format!("model.spectral.phases[{octave}]"), *phases)?;
-                }
-                Some((&spectral.dims, "model.spectral.dims"))
-            }
+            Self::Model(model) => return model.check(&join(path, "model")),
             Self::File(_) | Self::Memory => None,
         };
-        let Some((dims, key)) = dims else { return Ok(()) };
-        require(dims.iter().all(|n| (1..=65_536).contains(n)), path, key, format!("{dims:?}"), "1 to 65536 per axis")
+        let Some((found, key)) = dims else { return Ok(()) };
+        check::dims(path, key, found)
     }
 }
 

@@ -91,6 +91,12 @@ fn source() -> impl Strategy<Value = Source> {
         ([-9.0..9.0, -9.0..9.0, -9.0..9.0], dims.clone()).prop_map(|(phases, dims)| {
             Source::Model(ModelSource::Spectral(SpectralSource { phases: [phases; 5], dims }))
         }),
+        (text(), any::<u32>(), any::<bool>(), dims.clone()).prop_map(|(path, seed, is_file, dims)| {
+            let map = if is_file { HeightSource::File(path.into()) } else { HeightSource::Terrain(seed) };
+            let shape =
+                HeightFieldSource { relief: 0.5, slab: [-0.1, 0.2], ramp: 0.01, ..HeightFieldSource::default() };
+            Source::Model(ModelSource::HeightField(HeightFieldSource { map, dims, ..shape }))
+        }),
         (text(), of(dims), of(voxel_type)).prop_map(|(name, dims, voxel_type)| Source::Sample(SampleSource {
             name,
             dims,

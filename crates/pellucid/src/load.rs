@@ -6,9 +6,9 @@ use std::sync::Arc;
 use pellucid_field::closed_form::ScalarField;
 use pellucid_field::{FieldError, Grid, Volume, VoxelType, Warning, closed_form};
 use pellucid_io::{Endian, IoError, RawLayout, ReadOptions, Transfer};
-use pellucid_model::{Clouds, Spectral};
+use pellucid_model::{Clouds, HeightField, HeightMap, Ramp, Spectral};
 use pellucid_optics::{Environment, OpticsError, SkyMap, SkySource, srgb_decode};
-use pellucid_scene::{ModelSource, SampleSource, Scene, Source, Technique};
+use pellucid_scene::{HeightFieldSource, HeightSource, ModelSource, SampleSource, Scene, Source, Technique};
 
 use crate::phase_file;
 
@@ -103,7 +103,7 @@ pub fn load(scene: &Scene, base: impl AsRef<Path>) -> Result<(Vec<Arc<Volume>>, 
                 read(&base.as_ref().join(path), &options, &mut warnings)?
             }
             Source::Sample(sample) => sampled(k, sample)?,
-            Source::Model(model) => modelled(k, model)?,
+            Source::Model(model) => modelled(k, model, base.as_ref())?,
             Source::Memory => return Err(LoadError::Absent { volume: k }),
         };
         volumes.push(Arc::new(volume));
@@ -163,12 +163,35 @@ fn sampled(volume: usize, sample: &SampleSource) -> Result<Volume, LoadError> {
     baked(volume, field.as_ref(), dims, voxel_type)
 }
 
-fn modelled(volume: usize, model: &ModelSource) -> Result<Volume, LoadError> {
+fn modelled(volume: usize, model: &ModelSource, base: &Path) -> Result<Volume, LoadError> {
     let (field, dims): (Box<dyn ScalarField>, _) = match model {
         ModelSource::Clouds(clouds) => (Box::new(Clouds::new(clouds.seed.into(), clouds.ellipsoids)), clouds.dims),
         ModelSource::Spectral(spectral) => (Box::new(Spectral { phases: spectral.phases }), spectral.dims),
+        ModelSource::HeightField(land) => (Box::new(height_field(volume, land, base)?), land.dims),
     };
     baked(volume, field.as_ref(), dims, field.about().voxel_type)
+}
+
+/// A slab over a map, of the level that its voxels are as fine as.
+fn height_field(volume: usize, land: &HeightFieldSource, base: &Path) -> Result<HeightField, LoadError> {
+    /// Heights along a side of built-in land.
+    const POINTS: usize = 1024;
+    let failed = |source| LoadError::Sample { volume, source };
+    let map = match &land.map {
+        HeightSource::Terrain(seed) => HeightMap::terrain(*seed, POINTS),
+        HeightSource::File(path) => {
+            let picture = pellucid_io::read_png(base.join(path))?;
+            let (width, height) = (picture.width as usize, picture.height as usize);
+            // Rows of pictures go down, those of a map along y.
+            let row = |y: usize| &picture.pixels[(height - 1 - y) * width..][..width];
+            let mean = |[r, g, b, _]: &[f32; 4]| (r + g + b) / 3.0;
+            let heights = (0..height).flat_map(|y| row(y).iter().map(mean)).collect();
+            HeightMap::new([width, height], heights).map_err(failed)?
+        }
+    };
+    let footprint = (0..2).map(|axis| map.dims()[axis] as f64 / land.dims[axis] as f64).fold(f64::INFINITY, f64::min);
+    let map = map.for_footprint(footprint).scaled(land.relief as f32);
+    HeightField::new(map, land.slab, land.ramp, Ramp::Inside).map_err(failed)
 }
 
 fn baked(volume: usize, field: &dyn ScalarField, dims: [usize; 3], voxel_type: VoxelType) -> Result<Volume, LoadError> {
