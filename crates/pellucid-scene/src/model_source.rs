@@ -60,7 +60,7 @@ impl Default for SpectralSource {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct HeightFieldSource {
-    /// Where the heights come from. Default terrain of seed 0.
+    /// Where the heights come from; left out, mountains of seed 0.
     pub map: HeightSource,
     /// Height of the map's largest value over its smallest possible one, in widths of the map, 0 to 10. Default 0.25.
     #[schemars(range(min = 0.0, max = 10.0))]

@@ -112,6 +112,8 @@ fn every_property_is_described_and_every_reference_leads_somewhere() {
         "model",
         "clouds",
         "spectral",
+        "height_field",
+        "terrain",
         "constant",
         "colors",
         "values",
