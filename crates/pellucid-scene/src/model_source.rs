@@ -65,7 +65,7 @@ pub struct HeightFieldSource {
     /// Height of the map's largest value over its smallest possible one, in widths of the map, 0 to 10. Default 0.25.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub relief: f64,
-    /// The slab's faces over the map, in widths of the map, the lower first. Default -0.06 and 0.
+    /// The slab's faces over the map, in widths of the map, the lower first; left out, -0.06 and 0.
     pub slab: [f64; 2],
     /// Distance over which it fades out inside of both faces, above 0 and at most half of the slab. Default 0.02.
     pub ramp: f64,
