@@ -1,0 +1,197 @@
+//! The passes, and the files that they are put together of.
+
+/// A file of this folder: its name and its text.
+pub(super) struct Source {
+    pub name: &'static str,
+    pub text: &'static str,
+}
+
+macro_rules! source {
+    ($name:literal) => {
+        Source { name: $name, text: include_str!(concat!($name, ".wgsl")) }
+    };
+}
+
+/// What passes import; each only from those above it.
+pub(super) const SHARED: [Source; 26] = [
+    source!("frame"),
+    source!("ray"),
+    source!("kernel"),
+    source!("noise"),
+    source!("field"),
+    source!("table"),
+    source!("vary"),
+    source!("levels"),
+    source!("skip"),
+    source!("shadow"),
+    source!("scatter"),
+    source!("light"),
+    source!("march"),
+    source!("surface"),
+    source!("projected"),
+    source!("preclassify"),
+    source!("slices"),
+    source!("polygon"),
+    source!("pixel"),
+    source!("sweep"),
+    source!("slab"),
+    source!("eye"),
+    source!("presence"),
+    source!("random"),
+    source!("paths"),
+    source!("vertex"),
+];
+
+/// What a pass makes of the volume.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Pass {
+    /// Emission and absorption of classified samples.
+    Composite,
+    /// The same with colours interpolated between classified voxels.
+    CompositePre,
+    /// The same with integrals over segments.
+    PreIntegrated,
+    /// The largest value.
+    Maximum,
+    /// The smallest value.
+    Minimum,
+    /// The mean value.
+    Average,
+    /// Emission alone.
+    Additive,
+    /// Absorption alone.
+    XRay,
+    /// First surfaces of constant value.
+    Isosurface,
+    /// The field on a plane.
+    Slice,
+    /// Rays into pixels.
+    Resolve,
+    /// Polygons in which slices cut boxes.
+    SlicePolygons,
+    /// The same, cut by the processor.
+    SliceGivenPolygons,
+    /// Shells around the eye.
+    SliceShells,
+    /// Marks pixels that slices have made opaque.
+    SliceDone,
+    /// The least opacity of squares of pixels.
+    SliceTiles,
+    /// Boxes that slices hide.
+    SliceOcclusion,
+    /// Light on its way through a slab of half-angle slicing.
+    HalfAngleLight,
+    /// Where a slab holds something.
+    HalfAnglePresence,
+    /// What the eye sees of slabs.
+    HalfAngleEye,
+    /// What a light brought to pixels, and their surface.
+    HalfAngleSurface,
+    /// Paths of light.
+    PathTrace,
+    /// What they brought to pixels.
+    PathTracePixels,
+}
+
+/// How a pass gets at the samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Traversal {
+    /// Along rays.
+    Rays,
+    /// Slice by slice: what a fragment adds.
+    Slices,
+    /// What slices have added up to, as pixels.
+    SlicePixels,
+}
+
+impl Pass {
+    /// All passes.
+    pub const ALL: [Self; 23] = [
+        Self::Composite,
+        Self::CompositePre,
+        Self::PreIntegrated,
+        Self::Maximum,
+        Self::Minimum,
+        Self::Average,
+        Self::Additive,
+        Self::XRay,
+        Self::Isosurface,
+        Self::Slice,
+        Self::Resolve,
+        Self::SlicePolygons,
+        Self::SliceGivenPolygons,
+        Self::SliceShells,
+        Self::SliceDone,
+        Self::SliceTiles,
+        Self::SliceOcclusion,
+        Self::HalfAngleLight,
+        Self::HalfAnglePresence,
+        Self::HalfAngleEye,
+        Self::HalfAngleSurface,
+        Self::PathTrace,
+        Self::PathTracePixels,
+    ];
+
+    /// Whether it makes something of samples along rays, which slices can do as well.
+    pub(crate) fn samples(self) -> bool {
+        use Pass::*;
+        let sampling = [Composite, CompositePre, PreIntegrated, Maximum, Minimum, Average, Additive, XRay, Isosurface];
+        sampling.contains(&self)
+    }
+
+    /// Whether it follows rays through slabs.
+    pub(crate) fn sweeps(self) -> bool {
+        use Pass::*;
+        matches!(self, HalfAngleLight | HalfAnglePresence | HalfAngleEye | HalfAngleSurface)
+    }
+
+    /// Whether it follows paths of light, or what they brought.
+    pub(crate) fn traces(self) -> bool {
+        matches!(self, Self::PathTrace | Self::PathTracePixels)
+    }
+
+    /// Whether it looks at the volume.
+    pub(crate) fn reads(self) -> bool {
+        self.samples() || self.sweeps() || self.traces() || self == Self::Slice
+    }
+
+    /// The file with the entry point, and the mode it walks for.
+    pub(super) fn sources(self, traversal: Traversal) -> (Source, Option<Source>) {
+        let slices = traversal == Traversal::Slices;
+        let samples = |mode| (if slices { source!("slice_samples") } else { source!("samples") }, Some(mode));
+        let segments = |mode| (if slices { source!("slice_segments") } else { source!("segments") }, Some(mode));
+        match self {
+            _ if traversal == Traversal::SlicePixels => (source!("slice_pixels"), None),
+            Self::Maximum | Self::Minimum | Self::Average if slices => samples(source!("slice_value")),
+            Self::Composite | Self::CompositePre => samples(source!("composite")),
+            Self::Maximum | Self::Minimum => samples(source!("extreme")),
+            Self::Average => samples(source!("average")),
+            Self::Additive => samples(source!("additive")),
+            Self::XRay => samples(source!("xray")),
+            Self::PreIntegrated => segments(source!("preintegrated")),
+            Self::Isosurface => segments(source!("isosurface")),
+            Self::Slice => (source!("slice"), None),
+            Self::Resolve => (source!("resolve"), None),
+            Self::SlicePolygons | Self::SliceGivenPolygons | Self::SliceShells => (source!("slice_proxies"), None),
+            Self::SliceDone => (source!("slice_done"), None),
+            Self::SliceTiles => (source!("slice_tiles"), None),
+            Self::SliceOcclusion => (source!("slice_occlusion"), None),
+            Self::HalfAngleLight => (source!("half_angle_light"), None),
+            Self::HalfAnglePresence => (source!("half_angle_presence"), None),
+            Self::HalfAngleEye => (source!("half_angle_eye"), None),
+            Self::HalfAngleSurface => (source!("half_angle_surface"), None),
+            Self::PathTrace => (source!("path_trace"), None),
+            Self::PathTracePixels => (source!("path_trace_pixels"), None),
+        }
+    }
+
+    /// Whether blocks are compared with the extreme that was found instead of being live or not.
+    pub fn compares_extremes(self) -> bool {
+        matches!(self, Self::Maximum | Self::Minimum)
+    }
+}
+
+impl Traversal {
+    /// All ways.
+    pub const ALL: [Self; 3] = [Self::Rays, Self::Slices, Self::SlicePixels];
+}
