@@ -140,7 +140,8 @@ impl<F: Values> World<'_, F> {
             return at;
         }
         // No surface is told more finely than in voxels.
-        let distance = (depth / self.medium.extinctions.at(value)).min(self.medium.space.voxel());
+        let distance = (depth / (self.medium.extinctions.at(value) * self.medium.field.extinction(at)))
+            .min(self.medium.space.voxel());
         let way = self.medium.space.leave(at, normal, distance);
         way.at(way.length)
     }
