@@ -8,9 +8,6 @@
 #ifdef TRANSPORT
 #import pellucid::scatter::transported
 #endif
-#ifdef GATED
-#import pellucid::presence::presence_at
-#endif
 
 const TAU: f32 = 6.2831853;
 
@@ -58,7 +55,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     var mean = vec4<f32>(0.0);
     for (var i = 0u; i < max(sweep.counts.x, 1u); i += 1u) {
         let place = select(middle, tap(i, middle, radius), sweep.counts.x > 0u);
-        let held = presence_at(bounds.rows.w, place);
+        // Where the slab holds something, in a layer of its own.
+        let held = loss(bounds.rows.w, place).a;
         let arriving = vec4<f32>(vec3<f32>(sweep.scales.z), 1.0) - loss(layer, place);
         // Indirect light crosses gaps unless all light comes from matter.
         mean += arriving * vec4<f32>(vec3<f32>(select(1.0, held, sweep.counts.z == 2u)), held) / count;

@@ -147,8 +147,7 @@ fn in_light(sample: Lit, rgba: vec4<f32>) -> vec4<f32> {
     var color = unlit + sample.diffuse;
     var specular = sample.specular;
 #ifdef WEIGHTED
-    let t = clamp((sample.surface.magnitude - frame.limits.x) * frame.limits.y, 0.0, 1.0);
-    let weight = t * t * (3.0 - 2.0 * t);
+    let weight = smoothstep(0.0, 1.0, (sample.surface.magnitude - frame.limits.x) * frame.limits.y);
     color = mix(vec3<f32>(1.0), color, weight);
     specular *= weight;
 #endif

@@ -76,8 +76,7 @@ fn displaced(p: vec3<f32>, part: f32) -> vec3<f32> {
 
 // The part of the amplitude at a data value.
 fn amplitude_at(value: f32) -> f32 {
-    let t = clamp((value - noise.between.x) / (noise.between.y - noise.between.x), 0.0, 1.0);
-    return t * t * (3.0 - 2.0 * t);
+    return smoothstep(0.0, 1.0, (value - noise.between.x) / (noise.between.y - noise.between.x));
 }
 
 // The noise that varies optics at a position, within -1 and 1.

@@ -13,7 +13,7 @@ macro_rules! source {
 }
 
 /// What passes import; each only from those above it.
-pub(super) const SHARED: [Source; 26] = [
+pub(super) const SHARED: [Source; 25] = [
     source!("frame"),
     source!("ray"),
     source!("kernel"),
@@ -36,7 +36,6 @@ pub(super) const SHARED: [Source; 26] = [
     source!("sweep"),
     source!("slab"),
     source!("eye"),
-    source!("presence"),
     source!("random"),
     source!("paths"),
     source!("vertex"),

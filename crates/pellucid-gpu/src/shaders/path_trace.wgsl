@@ -7,12 +7,11 @@
 #import pellucid::random::{begin_stream, random}
 #import pellucid::ray::{beam_of, span_of}
 #import pellucid::vertex::{cloud_vertex, turned, vertex_density, vertex_light, vertex_sample, vertex_value, Vertex}
+#import pellucid::scatter::{PI, gradient_share, scatterer_of}
 #ifdef SHADED
 #import pellucid::field::field_gradient
-#import pellucid::scatter::{gradient_share, scatterer_of}
 #endif
 
-const PI: f32 = 3.14159265;
 // Fewest paths before a pixel may be done, and paths between two looks: as in the CPU backend.
 const FEWEST: f32 = 64.0;
 const BATCH: u32 = 16u;

@@ -4,7 +4,7 @@
 
 #import pellucid::frame::frame
 #import pellucid::ray::{exit_of, nonzeros}
-#import pellucid::field::{field_value, is_present}
+#import pellucid::field::field_value
 #import pellucid::random::{random, random_depth}
 #import pellucid::table::classify
 #ifdef PERTURBED
@@ -135,38 +135,60 @@ fn matter_at(p: vec3<f32>, value: f32) -> vec4<f32> {
     return matter;
 }
 
+// A way through a medium as dense as the majorants, from one collision with that to the next.
+struct Tracking {
+    walk: Walk,
+    // Of the last collision, in steps.
+    distance: f32,
+    // What is left of the optical depth to the next.
+    depth: f32,
+}
+
+fn begin_tracking(flight: Flight) -> Tracking {
+    return Tracking(walk_of(flight), 0.0, random_depth());
+}
+
+// Goes on to the next collision. Returns the majorant there, or 0 if the flight ends before.
+fn next_collision(tracking: ptr<function, Tracking>, flight: Flight) -> f32 {
+    var walk = (*tracking).walk;
+    var distance = (*tracking).distance;
+    var depth = (*tracking).depth;
+    var majorant = 0.0;
+    while distance < flight.length {
+        let block = block_of(walk);
+        let exit = min(min(walk.exits.x, walk.exits.y), min(walk.exits.z, flight.length));
+        if block.x > 0.0 {
+            let next = distance + depth / block.x;
+            if next < exit {
+                distance = next;
+                depth = random_depth();
+                majorant = block.x;
+                break;
+            }
+            depth -= block.x * max(exit - distance, 0.0);
+        }
+        distance = advance(&walk, flight, block.y);
+    }
+    *tracking = Tracking(walk, distance, depth);
+    return majorant;
+}
+
 // The next collision along a flight, by delta tracking (Woodcock et al. 1965): a collision with a medium as dense as
 // the majorant is one with the medium as often as that is as dense.
 fn collide(flight: Flight) -> Collision {
     var found = Collision(FAR_AWAY, 0.0, vec4<f32>(0.0), 0u);
-    var walk = walk_of(flight);
-    var distance = 0.0;
-    var depth = random_depth();
+    var tracking = begin_tracking(flight);
     loop {
-        let block = block_of(walk);
-        let exit = min(min(walk.exits.x, walk.exits.y), min(walk.exits.z, flight.length));
-        while block.x > 0.0 {
-            let next = distance + depth / block.x;
-            if next >= exit {
-                depth -= block.x * max(exit - distance, 0.0);
-                break;
-            }
-            distance = next;
-            found.looks += 1u;
-            let p = flight.origin + flight.direction * distance;
-            let value = field_value(p);
-            let matter = matter_at(p, value);
-            if random() * block.x < matter.a {
-                found.distance = distance;
-                found.value = value;
-                found.matter = matter;
-                return found;
-            }
-            depth = random_depth();
+        let majorant = next_collision(&tracking, flight);
+        if majorant == 0.0 {
+            break;
         }
-        distance = advance(&walk, flight, block.y);
-        if distance >= flight.length {
-            return found;
+        found.looks += 1u;
+        let p = flight.origin + flight.direction * tracking.distance;
+        let value = field_value(p);
+        let matter = matter_at(p, value);
+        if random() * majorant < matter.a {
+            return Collision(tracking.distance, value, matter, found.looks);
         }
     }
     return found;
@@ -176,36 +198,20 @@ fn collide(flight: Flight) -> Collision {
 fn transmittance(flight: Flight) -> vec2<f32> {
     // Below this, a transmittance is left to chance: what gets through is rare and worth as much more.
     const FAINT: f32 = 0.05;
-    var walk = walk_of(flight);
-    var distance = 0.0;
-    var depth = random_depth();
+    var tracking = begin_tracking(flight);
     var through = 1.0;
     var looks = 0.0;
-    loop {
-        let block = block_of(walk);
-        let exit = min(min(walk.exits.x, walk.exits.y), min(walk.exits.z, flight.length));
-        while block.x > 0.0 {
-            let next = distance + depth / block.x;
-            if next >= exit {
-                depth -= block.x * max(exit - distance, 0.0);
-                break;
-            }
-            distance = next;
-            looks += 1.0;
-            let p = flight.origin + flight.direction * distance;
-            let matter = matter_at(p, field_value(p));
-            through *= 1.0 - min(matter.a / block.x, 1.0);
-            if through < FAINT {
-                if random() * FAINT >= through {
-                    return vec2<f32>(0.0, looks);
-                }
-                through = FAINT;
-            }
-            depth = random_depth();
+    while through > 0.0 {
+        let majorant = next_collision(&tracking, flight);
+        if majorant == 0.0 {
+            break;
         }
-        distance = advance(&walk, flight, block.y);
-        if distance >= flight.length {
-            return vec2<f32>(through, looks);
+        looks += 1.0;
+        let p = flight.origin + flight.direction * tracking.distance;
+        let matter = matter_at(p, field_value(p));
+        through *= 1.0 - min(matter.a / majorant, 1.0);
+        if through < FAINT {
+            through = select(FAINT, 0.0, random() * FAINT >= through);
         }
     }
     return vec2<f32>(through, looks);

@@ -58,8 +58,7 @@ fn scatterer_of(value: f32) -> Scatterer {
 
 // The part of a sample that its gradient makes a surface.
 fn gradient_share(magnitude: f32) -> f32 {
-    let t = clamp((magnitude - scattering.surfaces.x) * scattering.surfaces.y, 0.0, 1.0);
-    return t * t * (3.0 - 2.0 * t);
+    return smoothstep(0.0, 1.0, (magnitude - scattering.surfaces.x) * scattering.surfaces.y);
 }
 
 // What gets through of indirect light over so many steps of a value at a position (K-08).

@@ -59,10 +59,13 @@ fn left_of_light(place: vec4<f32>, p: vec3<f32>) -> f32 {
 #else
     // Samples between two looks at the blocks.
     const RUN: u32 = 8u;
+#ifdef SKIP
+    let inverse = 1.0 / nonzeros(direction);
+#endif
     var k = 0.0;
     while k < count && through >= DARK {
 #ifdef SKIP
-        let clear = clear_steps(origin + direction * (k + 0.5 * select(1.0, last, k >= count - 1.0)), 1.0 / nonzeros(direction));
+        let clear = clear_steps(origin + direction * (k + 0.5 * select(1.0, last, k >= count - 1.0)), inverse);
         k += clear;
         if clear > 0.0 {
             continue;
@@ -70,10 +73,10 @@ fn left_of_light(place: vec4<f32>, p: vec3<f32>) -> f32 {
 #endif
         for (var i = 0u; i < RUN && k < count && through >= DARK; i += 1u) {
             let ratio = select(1.0, last, k >= count - 1.0);
-            let p_at = origin + direction * (k + 0.5 * ratio);
-            let value = field_value(p_at);
+            let at = origin + direction * (k + 0.5 * ratio);
+            let value = field_value(at);
             if is_present(value) {
-                let alpha = varied(p_at, vec4<f32>(0.0, 0.0, 0.0, homogeneous(value))).a;
+                let alpha = varied(at, vec4<f32>(0.0, 0.0, 0.0, homogeneous(value))).a;
                 through *= 1.0 - opacity_over(alpha, ratio * frame.shadows.y);
             }
             k += 1.0;

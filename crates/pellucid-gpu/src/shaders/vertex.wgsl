@@ -8,9 +8,7 @@
 #ifdef PERTURBED
 #import pellucid::noise::{noise, variation_at, varied_color}
 #endif
-#import pellucid::scatter::{entry, scattering, scatterer_of, phase_value, phase_weight, phase_density, phase_cosine}
-
-const PI: f32 = 3.14159265;
+#import pellucid::scatter::{PI, entry, scattering, scatterer_of, phase_value, phase_weight, phase_density, phase_cosine}
 
 struct Vertex {
     // Scattering albedo, or the surface's colour; the anisotropy.
