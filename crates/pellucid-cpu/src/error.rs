@@ -3,6 +3,7 @@
 use pellucid_field::FieldError;
 use pellucid_optics::OpticsError;
 use pellucid_scene::TableError;
+use pellucid_scene::half_angle::LightError;
 
 use crate::InstructionSet;
 
@@ -25,23 +26,9 @@ pub enum RenderError {
         /// Its name.
         technique: &'static str,
     },
-    /// A light that there is not.
-    #[error("technique.half_angle.light is {found}, but the scene has {lights} lights (numbered from 0)")]
-    Light {
-        /// The light asked for.
-        found: usize,
-        /// How many there are.
-        lights: usize,
-    },
-    /// A light in the volume, from which it does not lie ahead.
-    #[error(
-        "lighting.lights[{light}] stands in the volume or right beside it, where slices cannot follow its light: \
-         move it away, or cast shadow rays"
-    )]
-    LightInside {
-        /// Its number.
-        light: usize,
-    },
+    /// Half-angle slices cannot follow a light.
+    #[error(transparent)]
+    Light(#[from] LightError),
     /// The transfer function cannot be tabulated over the data.
     #[error(transparent)]
     Optics(#[from] OpticsError),

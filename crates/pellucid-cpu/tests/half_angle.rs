@@ -12,6 +12,7 @@ use pellucid_optics::{
     Color, ColorPoint, Falloff, Interpolation, Light, LightKind, LightModel, NumberPoint, OpacityPoint, Phase,
     PhaseNormalization, Scattering, ShadowRays, Shadows, SurfaceShare, TransferFunction, srgb_encode,
 };
+use pellucid_scene::half_angle::LightError;
 use pellucid_scene::{
     BlurJitter, BlurScaling, Cancel, Clip, Control, Frame, HalfAngle, InScatter, LightCorrection, LookAt, Orbit,
     Projection, Scene, Stage, Technique, View,
@@ -431,8 +432,11 @@ fn lights_that_cannot_be_followed_are_refused() {
         CpuRenderer::new().render(&stage, &Control::default()).unwrap_err()
     };
     let inside = Light::new(LightKind::Point { position: [0.1, 0.0, 0.0], falloff: Falloff::None });
-    assert_eq!(refused(inside, None), RenderError::LightInside { light: 0 });
-    assert_eq!(refused(directional([0.0, 0.0, 1.0]), Some(3)), RenderError::Light { found: 3, lights: 1 });
+    assert_eq!(refused(inside, None), RenderError::Light(LightError::Inside { light: 0 }));
+    assert_eq!(
+        refused(directional([0.0, 0.0, 1.0]), Some(3)),
+        RenderError::Light(LightError::Absent { found: 3, lights: 1 })
+    );
 }
 
 #[test]

@@ -10,6 +10,7 @@ use pellucid_optics::{
     Light, LightKind, LightModel, Phase, PhaseNormalization, Scattering, ShadowRays, ShadowVolume, Shadows,
     TransferFunction,
 };
+use pellucid_scene::half_angle::LightError;
 use pellucid_scene::{Classification, Control, Isosurface, Isovalue, Mode, Orbit, Projection, Scene, Stage, View};
 
 /// A ball above a plate, as distances: positive inside the ball, far below -100 in the plate.
@@ -352,7 +353,7 @@ fn a_shadow_volume_needs_lights_outside() {
         scene.lighting.lights.push(Light::new(LightKind::Point { position, falloff: Default::default() }));
     });
     let error = CpuRenderer::new().render(&stage, &Control::default()).unwrap_err();
-    assert_eq!(error, RenderError::LightInside { light: 1 });
+    assert_eq!(error, RenderError::Light(LightError::Inside { light: 1 }));
 }
 
 /// Without normals noise of a flat region is not seen (6.0-1): a hundredth of the range on every voxel.

@@ -3,6 +3,7 @@
 use pellucid_field::FieldError;
 use pellucid_optics::OpticsError;
 use pellucid_scene::TableError;
+use pellucid_scene::half_angle::LightError;
 
 /// Why a device was not opened or a frame was not drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -87,23 +88,9 @@ pub enum GpuError {
         /// The setting.
         what: String,
     },
-    /// A light that there is not.
-    #[error("technique.half_angle.light is {found}, but the scene has {lights} lights (numbered from 0)")]
-    Light {
-        /// The light asked for.
-        found: usize,
-        /// How many there are.
-        lights: usize,
-    },
-    /// Half-angle slices cannot follow the light of what stands among them.
-    #[error(
-        "lighting.lights[{light}] stands in the volume or right beside it, where slices cannot follow its light: \
-         move it away, or cast shadow rays"
-    )]
-    LightInside {
-        /// Its number.
-        light: usize,
-    },
+    /// Half-angle slices cannot follow a light.
+    #[error(transparent)]
+    Light(#[from] LightError),
     /// Rays would have more samples than can be numbered.
     #[error("a ray through the volume has {found:.0} steps, and {limit} are possible: take a longer step")]
     Steps {

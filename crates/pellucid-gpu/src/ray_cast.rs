@@ -95,11 +95,7 @@ impl<'a> RayCaster<'a> {
             let learnt = self.resident.is_whole() && !wavefront;
             let wanted = if learnt { (reused.bands.rays() / rays) as u32 } else { most };
             let rows = wanted.max(8).next_multiple_of(8).min(most);
-            // The old ones go first.
-            let room = picture.width as u64 * u64::from(rows);
-            reused.targets.take_if(|targets| !targets.fits(room));
-            let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, room));
-            targets.width = width;
+            let targets = Targets::kept(&mut reused.targets, self.device, picture.width, [width, rows]);
             let band = Band { row, rows };
             let seconds = if wavefront {
                 self.draw_wavefront(targets, timer, &mut reused.looks, band, control)?

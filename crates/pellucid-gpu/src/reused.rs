@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use wgpu::Buffer;
+
 use crate::Device;
 use crate::pace::Pace;
 use crate::slicing::Canvas;
@@ -56,6 +58,8 @@ pub struct Reused {
     pub targets: Option<Targets>,
     /// What slices are blended in.
     pub canvas: Option<Canvas>,
+    /// Layers of light on its way through slabs.
+    pub light: Option<Buffer>,
     /// The device's clock, if it has one.
     pub timer: Option<Timer>,
 }
@@ -69,6 +73,7 @@ impl Reused {
             slices: Pace::default(),
             targets: None,
             canvas: None,
+            light: None,
             timer: Timer::new(device),
         }
     }

@@ -27,7 +27,7 @@ impl Targets {
     pub const PIXEL_BYTES: u64 = STATE_BYTES + 2 * size_of::<Pixel>() as u64;
 
     /// Room for a number of pixels.
-    pub fn new(device: &Device, count: u64) -> Self {
+    fn new(device: &Device, count: u64) -> Self {
         let buffer = |label, bytes: u64, usage| {
             let descriptor =
                 BufferDescriptor { label: Some(label), size: count * bytes, usage, mapped_at_creation: false };
@@ -43,9 +43,14 @@ impl Targets {
         }
     }
 
-    /// Whether so many pixels fit.
-    pub fn fits(&self, count: u64) -> bool {
-        count <= self.room
+    /// Those that are there, for a band of a picture `across` pixels wide, if they have room for it, or new ones: the
+    /// old ones go first.
+    pub fn kept<'t>(slot: &'t mut Option<Self>, device: &Device, across: usize, [width, rows]: [u32; 2]) -> &'t Self {
+        let room = across as u64 * u64::from(rows);
+        slot.take_if(|targets| targets.room < room);
+        let targets = slot.get_or_insert_with(|| Self::new(device, room));
+        targets.width = width;
+        targets
     }
 
     fn bytes(&self, rows: u32) -> u64 {

@@ -116,9 +116,7 @@ impl Frame {
         frame.picture = [left, top, pixel, stage.step].map(|v| v as f32);
         // What scatters as a cloud reflects as any surface, as far as it is one.
         if let Some(material) = volume.material.or_else(|| stage.scatters().then(Material::default)) {
-            let unlit = material.emission + material.ambient * stage.ambient;
-            frame.material = [unlit, material.diffuse, material.specular, material.shininess];
-            frame.counts[3] = u32::from(material.two_sided);
+            frame.set_material(&material, stage.ambient);
         }
         if let Some(weight) = &volume.gradient_weight {
             frame.limits[0] = weight.low;
@@ -186,6 +184,13 @@ impl Frame {
         let across = (grid.world_from_index().matrix3.transpose() * normal).normalize();
         self.plane = four(across, across.dot(grid.index_from_world().transform_point3(point)));
         self.plane_normal = four(normal, 0.0);
+    }
+
+    /// How samples reflect, and the ambient light on them.
+    pub fn set_material(&mut self, material: &Material, ambient: f32) {
+        let unlit = material.emission + material.ambient * ambient;
+        self.material = [unlit, material.diffuse, material.specular, material.shininess];
+        self.counts[3] = u32::from(material.two_sided);
     }
 
     /// Which part of the picture is drawn.

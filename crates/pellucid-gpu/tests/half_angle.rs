@@ -9,6 +9,7 @@ use common::{LEVEL, device, difference, draw, gpu, sample, stage, with_holes};
 use pellucid_cpu::CpuRenderer;
 use pellucid_field::{Volume, VoxelType};
 use pellucid_gpu::{Ceiling, GpuError, GpuRenderer, Interpolation};
+use pellucid_scene::half_angle::LightError;
 use pellucid_scene::{Control, Frame, Stage};
 
 /// What both backends compute in single precision differs by its rounding, in the mean by less; where rays touch a
@@ -197,9 +198,12 @@ fn one_light_of_several_and_none() {
     assert!(difference(&expected, &found) < LEVEL / 2.0 && found.color.iter().all(|color| color[0] == 0.0));
     let mut stage =
         |technique, lights| renderer.render(&document(technique, lights).stage(&volume), &Control::default());
-    assert_eq!(stage("half_angle.light = 3", &lights).unwrap_err(), GpuError::Light { found: 3, lights: 3 });
+    assert_eq!(
+        stage("half_angle.light = 3", &lights).unwrap_err(),
+        GpuError::Light(LightError::Absent { found: 3, lights: 3 })
+    );
     let inside = ["directional.direction = [0, 1, 0]", "point = { position = [1, 2, 3], falloff = \"none\" }"];
-    assert_eq!(stage("half_angle = {}", &inside).unwrap_err(), GpuError::LightInside { light: 1 });
+    assert_eq!(stage("half_angle = {}", &inside).unwrap_err(), GpuError::Light(LightError::Inside { light: 1 }));
 }
 
 /// K-15: a frame after others is the frame of a renderer that has drawn nothing yet, bit for bit, whatever has

@@ -23,9 +23,8 @@ mod transport;
 #[cfg(test)]
 mod tests;
 
-use glam::DAffine3;
-use pellucid_optics::{Light, LightKind, Material, ResolvedLight};
-use pellucid_scene::half_angle::Geometry;
+use pellucid_optics::ResolvedLight;
+use pellucid_scene::half_angle::{Geometry, LightError, lights, material};
 use pellucid_scene::{Control, HalfAngle};
 use rayon::prelude::*;
 
@@ -45,8 +44,7 @@ pub use sweep::Sweep;
 /// Draws a stage into tiles.
 ///
 /// # Errors
-/// [`RenderError::Light`] if there is no such light, [`RenderError::LightInside`] if one stands in the volume,
-/// [`RenderError::Cancelled`].
+/// [`RenderError::Light`] if there is no such light or one stands in the volume, [`RenderError::Cancelled`].
 pub fn draw(
     prepared: &Prepared,
     settings: &HalfAngle,
@@ -55,21 +53,13 @@ pub fn draw(
     tiles: &mut Tiles,
 ) -> Result<(), RenderError> {
     let stage = prepared.stage;
-    let lights = match settings.light {
-        None if stage.lights.is_empty() => vec![(0, dark(prepared)?)],
-        None => stage.lights.iter().copied().enumerate().collect(),
-        Some(light) => {
-            let found =
-                stage.lights.get(light).ok_or(RenderError::Light { found: light, lights: stage.lights.len() })?;
-            vec![(light, *found)]
-        }
-    };
+    let lights = lights(stage, settings)?;
     let subs = stage.quality.supersampling.pow(2) as usize;
     let sweeps = lights.len() * subs;
     tiles.clear();
     for (place, (number, light)) in lights.iter().enumerate() {
-        let geometry = Geometry::new(stage, prepared.grid(), settings, light)
-            .ok_or(RenderError::LightInside { light: *number })?;
+        let geometry =
+            Geometry::new(stage, prepared.grid(), settings, light).ok_or(LightError::Inside { light: *number })?;
         let lengths = Lengths::new(prepared, geometry.ways)?;
         let done = place * subs;
         let drawing = Drawing {
@@ -87,13 +77,6 @@ pub fn draw(
         }
     }
     Ok(())
-}
-
-/// A light that shines along the view and is black: without any, what is left is attenuation (K-16).
-fn dark(prepared: &Prepared) -> Result<ResolvedLight, RenderError> {
-    let direction = prepared.stage.viewpoint.forward.to_array();
-    let light = Light { intensity: 0.0, ..Light::new(LightKind::Directional { direction }) };
-    Ok(light.resolve(DAffine3::IDENTITY)?)
 }
 
 /// One of the lights, and what it shines on.
@@ -171,10 +154,7 @@ impl Drawing<'_> {
     fn eye<S: Lanes>(&self, s: S) -> Result<Eye<'_, S>, RenderError> {
         let (prepared, settings) = (self.prepared, self.settings);
         let stage = prepared.stage;
-        let share = 1.0 / self.lights as f32;
-        let material = prepared.volume.material.unwrap_or(Material { emission: 0.0, ..Material::default() });
-        let material = Material { emission: material.emission * share, ..material };
-        let ambient = if settings.ambient { stage.ambient * share } else { 0.0 };
+        let (material, ambient) = material(stage, prepared.volume, settings, self.lights);
         let lights = std::slice::from_ref(self.light);
         let mut surface = Surface::new(material, None, lights, ambient, prepared.grid().world_from_index());
         if let Some(scatter) = prepared.scatter() {

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 use pellucid_field::{ComponentView, Gradient, Grid, Linear, Volume, Voxels};
 use pellucid_optics::ResolvedLight;
-use pellucid_scene::half_angle::Geometry;
+use pellucid_scene::half_angle::{Geometry, LightError};
 use pellucid_scene::{Control, HalfAngle, Region};
 use rayon::prelude::*;
 
@@ -28,7 +28,7 @@ impl LightVolume {
     /// Sweeps a light through the volume of a stage, with `resolution` points for each voxel and axis.
     ///
     /// # Errors
-    /// [`RenderError::LightInside`] if it stands in the volume, [`RenderError::Cancelled`].
+    /// [`RenderError::Light`] if it stands in the volume, [`RenderError::Cancelled`].
     pub fn new(
         prepared: &Prepared,
         (number, light): (usize, &ResolvedLight),
@@ -45,8 +45,8 @@ impl LightVolume {
         // Texels about as far apart as the points.
         let [near, far] = [points.smallest_spacing(), grid.world_corners()[0].distance(grid.center()) * 2.0];
         let texels = (far / near).ceil().clamp(16.0, 4096.0) as u32;
-        let geometry = Geometry::of_light(prepared.stage.step, grid, light, texels)
-            .ok_or(RenderError::LightInside { light: number })?;
+        let geometry =
+            Geometry::of_light(prepared.stage.step, grid, light, texels).ok_or(LightError::Inside { light: number })?;
         let direct = HalfAngle { indirect: 0.0, ..HalfAngle::default() };
         let values = dispatch!(set, s => sweep(s, prepared, &geometry, &direct, &points, control))?;
         Ok(Self {

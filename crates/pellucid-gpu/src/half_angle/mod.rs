@@ -9,8 +9,8 @@ use std::ops::Range;
 use std::time::Instant;
 
 use bytemuck::bytes_of;
-use pellucid_optics::{Light, LightKind, Material, ResolvedLight};
-use pellucid_scene::half_angle::{Geometry, taps};
+use pellucid_optics::ResolvedLight;
+use pellucid_scene::half_angle::{Geometry, LightError, lights, material, taps};
 use pellucid_scene::{Control, Frame as Picture, HalfAngle, InScatter, Stage, StageVolume};
 use wgpu::{
     BindGroup, BindingResource, Buffer, BufferDescriptor, BufferUsages, CommandEncoder, CommandEncoderDescriptor,
@@ -129,8 +129,7 @@ impl<'a> HalfAngleSlicer<'a> {
     /// Makes pipelines and what changes with camera and light.
     ///
     /// # Errors
-    /// [`GpuError::Light`] if there is no such light, [`GpuError::LightInside`] if one stands in the volume, or
-    /// what the device reports.
+    /// [`GpuError::Light`] if there is no such light or one stands in the volume, or what the device reports.
     pub fn new(
         device: &'a Device,
         pipelines: &mut Pipelines,
@@ -139,15 +138,10 @@ impl<'a> HalfAngleSlicer<'a> {
         (optics, uploads): (&Optics, &'a Uploads),
         drawing: Drawing,
     ) -> Result<Self, GpuError> {
+        // A black light is what a buffer of no lights is for shaders.
         let found = lights(stage, settings)?;
-        let share = 1.0 / found.len() as f32;
-        let alter = |frame: &mut uniforms::Frame| {
-            let material = volume.material.unwrap_or(Material { emission: 0.0, ..Material::default() });
-            let ambient = if settings.ambient { stage.ambient } else { 0.0 };
-            let unlit = (material.emission + material.ambient * ambient) * share;
-            frame.material = [unlit, material.diffuse, material.specular, material.shininess];
-            frame.counts[3] = u32::from(material.two_sided);
-        };
+        let (material, ambient) = material(stage, volume, settings, found.len());
+        let alter = |frame: &mut uniforms::Frame| frame.set_material(&material, ambient);
         let bindings =
             Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter);
         let variant = |pass| {
@@ -171,8 +165,7 @@ impl<'a> HalfAngleSlicer<'a> {
         let presence = light.variant.gated.then(|| pipelines.get(device, variant(Pass::HalfAnglePresence)).cloned());
         let grid = volume.volume.grid();
         let travelling = |(number, light): &(usize, ResolvedLight)| {
-            let geometry =
-                Geometry::new(stage, grid, settings, light).ok_or(GpuError::LightInside { light: *number })?;
+            let geometry = Geometry::new(stage, grid, settings, light).ok_or(LightError::Inside { light: *number })?;
             let numbers = Sweep::new((stage, volume), settings, &geometry, [*number, found.len()]);
             // Where all light comes from matter, what is empty is dark.
             let blocks = optics.blocks.filter(|_| settings.in_scatter != InScatter::BothFromMatter);
@@ -211,21 +204,19 @@ impl<'a> HalfAngleSlicer<'a> {
         let timer = reused.timer.as_ref();
         let mut busy = timer.map(|_| 0.0);
         let size = self.lights.iter().map(Travelling::bytes).max().unwrap_or(0);
+        // The old one goes first.
+        reused.light.take_if(|light| light.size() < size);
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
         let descriptor = BufferDescriptor { label: Some("light"), size, usage, mapped_at_creation: false };
-        let lost = self.device.device.create_buffer(&descriptor);
+        let lost = &*reused.light.get_or_insert_with(|| self.device.device.create_buffer(&descriptor));
         let (mut row, end) = (first, if width == 0 { first } else { first + height });
         while row < end {
             let rows = self.resident.plan.rows.min(end - row);
-            // The old ones go first.
-            let room = picture.width as u64 * u64::from(rows);
-            reused.targets.take_if(|targets| !targets.fits(room));
-            let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, room));
-            targets.width = width;
+            let targets = Targets::kept(&mut reused.targets, self.device, picture.width, [width, rows]);
             for sub in 0..subs {
                 for light in 0..self.lights.len() {
                     let place = [row, rows, sub];
-                    let seconds = self.sweep(targets, &lost, timer, &mut reused.slices, (light, place), control)?;
+                    let seconds = self.sweep(targets, lost, timer, &mut reused.slices, (light, place), control)?;
                     busy = busy.zip(seconds).map(|(busy, seconds)| busy + seconds);
                     let done = (sub as usize * self.lights.len() + light + 1) as f64;
                     let all = f64::from(subs) * self.lights.len() as f64;
@@ -369,23 +360,5 @@ fn eye_pass(light: &Travelling, run: u32, [row, rows, sub]: [u32; 3], is_first: 
         texture_low: [0, 0, 0, u32::from(is_first && run == 0)],
         core_low: [start, end, light.run + 1, 0],
         ..uniforms::Pass::default()
-    }
-}
-
-/// The lights that shine, with their numbers: a black one along the view where there is none (K-16), as a buffer of
-/// no lights is for shaders.
-fn lights(stage: &Stage, settings: &HalfAngle) -> Result<Vec<(usize, ResolvedLight)>, GpuError> {
-    match settings.light {
-        None if stage.lights.is_empty() => {
-            let direction = stage.viewpoint.forward.to_array();
-            let dark = Light { intensity: 0.0, ..Light::new(LightKind::Directional { direction }) };
-            Ok(vec![(0, dark.resolve(glam::DAffine3::IDENTITY).map_err(pellucid_scene::TableError::from)?)])
-        }
-        None => Ok(stage.lights.iter().copied().enumerate().collect()),
-        Some(light) => {
-            let found = stage.lights.get(light);
-            let found = found.ok_or(GpuError::Light { found: light, lights: stage.lights.len() })?;
-            Ok(vec![(light, *found)])
-        }
     }
 }

@@ -57,10 +57,9 @@ impl<'a> PathTracer<'a> {
         drawing: Drawing,
     ) -> Result<Self, GpuError> {
         let alter = |frame: &mut uniforms::Frame| {
-            let nothing = Material { emission: 0.0, ..Material::default() };
-            let material = volume.material.unwrap_or(nothing);
-            frame.material = [material.emission, material.diffuse, material.specular, material.shininess];
-            frame.counts[3] = u32::from(material.two_sided);
+            // Ambient light is what paths find out, and what has no material does not shine by itself.
+            let material = volume.material.unwrap_or(Material { emission: 0.0, ..Material::default() });
+            frame.set_material(&material, 0.0);
             // Paths are spread over each pixel anyway.
             frame.picture[0] = stage.viewpoint.width as f32 / 2.0;
             frame.picture[1] = stage.viewpoint.height as f32 / 2.0;
@@ -97,11 +96,7 @@ impl<'a> PathTracer<'a> {
         let mut paths = 0;
         while row < end {
             let rows = self.resident.plan.rows.min(end - row);
-            // The old ones go first.
-            let room = picture.width as u64 * u64::from(rows);
-            reused.targets.take_if(|targets| !targets.fits(room));
-            let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, room));
-            targets.width = width;
+            let targets = Targets::kept(&mut reused.targets, self.device, picture.width, [width, rows]);
             let report = |done: f64| {
                 control.report((f64::from(row - first) + f64::from(rows) * done) / f64::from(height));
             };

@@ -174,11 +174,8 @@ impl<'a> Slicer<'a> {
             let rows = self.resident.plan.rows.min(end - row);
             let size = [width, rows];
             // The old ones go first.
-            let room = picture.width as u64 * u64::from(rows);
-            reused.targets.take_if(|targets| !targets.fits(room));
             reused.canvas.take_if(|canvas| !canvas.fits(size, &self.blending));
-            let targets = reused.targets.get_or_insert_with(|| Targets::new(self.device, room));
-            targets.width = width;
+            let targets = Targets::kept(&mut reused.targets, self.device, picture.width, size);
             let canvas = reused.canvas.get_or_insert_with(|| Canvas::new(self.device, size, &self.blending));
             for sub in 0..rays {
                 let layer = self.layer(canvas, [row, rows, sub]);

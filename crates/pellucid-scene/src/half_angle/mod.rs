@@ -4,14 +4,69 @@ mod light_frame;
 mod slabs;
 pub mod taps;
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use pellucid_field::Grid;
-use pellucid_optics::{ResolvedLight, Scattering};
+use pellucid_optics::{Light, LightKind, Material, OpticsError, ResolvedLight, Scattering};
 
 pub use light_frame::LightFrame;
 pub use slabs::{Slabs, along_light, slice_axis};
 
-use crate::{HalfAngle, Stage};
+use crate::{HalfAngle, Stage, StageVolume};
+
+/// Why the light of a stage cannot be followed from slab to slab.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LightError {
+    /// A light that there is not.
+    #[error("technique.half_angle.light is {found}, but the scene has {lights} lights (numbered from 0)")]
+    Absent {
+        /// The light asked for.
+        found: usize,
+        /// How many there are.
+        lights: usize,
+    },
+    /// A light in the volume, from which it does not lie ahead.
+    #[error(
+        "lighting.lights[{light}] stands in the volume or right beside it, where slices cannot follow its light: \
+         move it away, or cast shadow rays"
+    )]
+    Inside {
+        /// Its number.
+        light: usize,
+    },
+    /// A light that is none.
+    #[error(transparent)]
+    Optics(#[from] OpticsError),
+}
+
+/// The lights that shine, with their numbers. Without any, one along the view that is black: what is left is
+/// attenuation (K-16).
+///
+/// # Errors
+/// [`LightError::Absent`] if the settings ask for a light that there is not.
+pub fn lights(stage: &Stage, settings: &HalfAngle) -> Result<Vec<(usize, ResolvedLight)>, LightError> {
+    match settings.light {
+        None if stage.lights.is_empty() => {
+            let direction = stage.viewpoint.forward.to_array();
+            let dark = Light { intensity: 0.0, ..Light::new(LightKind::Directional { direction }) };
+            Ok(vec![(0, dark.resolve(DAffine3::IDENTITY)?)])
+        }
+        None => Ok(stage.lights.iter().copied().enumerate().collect()),
+        Some(light) => {
+            let found = stage.lights.get(light);
+            let found = found.ok_or(LightError::Absent { found: light, lights: stage.lights.len() })?;
+            Ok(vec![(light, *found)])
+        }
+    }
+}
+
+/// What samples are made of and the ambient light on them, each in one of so many sweeps, whose light adds up. What
+/// is not shaded does not shine by itself.
+pub fn material(stage: &Stage, volume: &StageVolume, settings: &HalfAngle, sweeps: usize) -> (Material, f32) {
+    let share = 1.0 / sweeps as f32;
+    let material = volume.material.unwrap_or(Material { emission: 0.0, ..Material::default() });
+    let ambient = if settings.ambient { stage.ambient * share } else { 0.0 };
+    (Material { emission: material.emission * share, ..material }, ambient)
+}
 
 /// Where light and slabs are.
 #[derive(Clone, Debug)]
