@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "every test binary uses another part")]
 
 pub mod data;
+pub mod paths;
 pub mod random;
 
 use std::sync::Arc;
