@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use pellucid_optics::{ColorSpace, Nodes, SurfaceShare, TransferFunction, path_extinction};
+use pellucid_optics::{ColorSpace, Nodes, Scattering, SurfaceShare, TransferFunction, path_extinction};
 use pellucid_scene::{
     BlockContent, BlockMap, Classification, ColorWeight, Combine, Isosurface, Mode, Slice, Stage, StageVolume, Tables,
     Technique,
@@ -33,13 +33,12 @@ pub struct Optics<'a> {
     /// Whether samples may be surfaces in light, and whether gradients tell how much of one.
     pub shaded: bool,
     pub weighted: bool,
-    /// How they scatter, if they do.
-    pub scattering: Vec<[f32; 4]>,
+    scattering: &'a Scattering,
 }
 
 impl<'a> Optics<'a> {
     /// What a stage's pass wants of its tables.
-    pub fn new(stage: &Stage, volume: &StageVolume, tables: &'a Tables) -> Self {
+    pub fn new(stage: &Stage, volume: &'a StageVolume, tables: &'a Tables) -> Self {
         // Light on its way classifies every sample by itself.
         let (pass, opaque) = match stage.technique {
             Technique::HalfAngle(_) => (Pass::Composite, false),
@@ -74,9 +73,9 @@ impl<'a> Optics<'a> {
             ),
             None => (volume.material.is_some() && lights(stage.mode()), volume.gradient_weight.is_some()),
         };
-        let (entries, scattering) = match pass {
-            Pass::PathTrace => (extinctions(stage, volume, tables), scattering::of_paths(scattering, tables)),
-            _ => (Cow::Borrowed(entries), scattering::of_samples(scattering, &tables.light)),
+        let entries = match pass {
+            Pass::PathTrace => extinctions(stage, volume, tables),
+            _ => Cow::Borrowed(entries),
         };
         Self { pass, opaque, tables, entries, bleeds, nodes: *nodes, blocks, levels, shaded, weighted, scattering }
     }
@@ -85,8 +84,16 @@ impl<'a> Optics<'a> {
 impl Optics<'_> {
     /// Bytes of the tables on the device.
     pub fn table_bytes(&self) -> u64 {
-        let scattering = size_of_val(self.scattering.as_slice());
-        (size_of_val(&*self.entries) + size_of_val(self.levels.as_slice()) + scattering) as u64
+        let tables = size_of_val(&*self.entries) + size_of_val(self.levels.as_slice());
+        tables as u64 + scattering::most_bytes(self.tables)
+    }
+
+    /// How samples scatter, as shaders look it up: made anew whenever it is asked for.
+    pub fn scattering(&self) -> Vec<[f32; 4]> {
+        match self.pass {
+            Pass::PathTrace => scattering::of_paths(self.scattering, self.tables),
+            _ => scattering::of_samples(self.scattering, &self.tables.light),
+        }
     }
 
     /// Bytes of the map of blocks on the device.

@@ -20,6 +20,15 @@ const HYBRID: f32 = 3.0;
 /// strong peak.
 const COSINES: usize = 512;
 
+/// The most bytes that all of it takes.
+pub fn most_bytes(tables: &Tables) -> u64 {
+    let Some(scatter) = &tables.light.scatter else { return 0 };
+    let transport = tables.light.transport.as_ref().map_or(0, |transport| transport.entries().len());
+    let colors = transport.max(tables.table.entries().len());
+    let header = 8;
+    ((header + scatter.entries().len() + colors + ANGLES + COSINES + 1) * size_of::<Four>()) as u64
+}
+
 /// What samples that scatter once look up; nothing if they do not.
 pub fn of_samples(scattering: &Scattering, tables: &LightTables) -> Vec<Four> {
     let Some(scatter) = &tables.scatter else { return Vec::new() };

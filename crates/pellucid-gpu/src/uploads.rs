@@ -43,7 +43,7 @@ impl Uploads {
             entries: storage(device, "table", &optics.entries),
             blocks: block_texture(device, optics.blocks, optics.pass.compares_extremes()),
             perturbation: UploadedNoise::new(device, tables),
-            scattering: storage(device, "scattering", &optics.scattering),
+            scattering: storage(device, "scattering", &optics.scattering()),
             levels: storage(device, "levels", &optics.levels),
             noise: storage(device, "noise", &noise),
         }
