@@ -42,8 +42,8 @@ fn noise_does_what_it_does_on_the_cpu() {
             let pairs = expected.color.as_flattened().iter().zip(found.color.as_flattened());
             let far = pairs.filter(|(a, b)| (*a - *b).abs() > LEVEL).count();
             let apart = difference(&expected, &found);
-            // Where rays graze a surface, or the outline of one, either may be right.
-            assert!(far * 200 <= expected.color.len() * 4, "{noise}{technique}: {far} farther than a level, {apart}");
+            // Where the ball is flat, a slope that is nothing but rounding has a direction: a pixel may be lit by it.
+            assert!(far <= 4, "{noise}{technique}: {far} farther than a level, {apart}");
             let plain = draw(&mut renderer, &stage(&volume, &document(""), [40, 36]));
             let is_data = technique.contains("mode") && noise == varied;
             assert!(is_data || difference(&plain, &found) > 0.02, "{noise}{technique} changes nothing");

@@ -60,7 +60,7 @@ const COMBINES: [(&str, Combine); 3] =
 #[command(next_help_heading = "Technique")]
 pub struct TechniqueFlags {
     /// What draws: rays, slices blended by a graphics adapter, slices that light and view share, or random paths of
-    /// light, both on the processor [default: ray-cast]
+    /// light [default: ray-cast]
     ///
     /// Slices lie across the view (view-aligned), on the volume's own planes (object-aligned), between those
     /// (multi-texture), or on spheres around the eye (shells). They keep no depth and no normals.
