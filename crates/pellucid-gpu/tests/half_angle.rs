@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use common::{LEVEL, device, difference, draw, gpu, sample, stage, with_holes};
 use pellucid_cpu::CpuRenderer;
-use pellucid_field::{Volume, VoxelType};
+use pellucid_field::{Grid, Volume, VoxelType};
 use pellucid_gpu::{Ceiling, GpuError, GpuRenderer, Interpolation};
 use pellucid_scene::half_angle::LightError;
 use pellucid_scene::{Control, Frame, Stage};
@@ -242,22 +242,40 @@ fn a_volume_in_bricks_is_refused_with_advice() {
     assert!(matches!(&refused, GpuError::Budget { advice, .. } if advice.contains("cpu")), "{refused}");
 }
 
+/// Two plates that fill blocks of their own, the first beside the way of light to the second: only what spreads
+/// darkens that.
+fn two_plates() -> Arc<Volume> {
+    const DIMS: [usize; 3] = [64, 40, 40];
+    let grid = Grid::with_spacing(DIMS, [0.05; 3], [-1.6, -1.0, -1.0]).unwrap();
+    let value = |i: usize| {
+        let [x, y, z] = [i % DIMS[0], i / DIMS[0] % DIMS[1], i / (DIMS[0] * DIMS[1])];
+        let is_in = (1..8).contains(&x) && (9..16).contains(&y) || (49..56).contains(&x) && (25..32).contains(&y);
+        if is_in && (9..32).contains(&z) { 255u8 } else { 0 }
+    };
+    Arc::new(Volume::new(grid, (0..DIMS.iter().product()).map(value).collect::<Vec<_>>()).unwrap())
+}
+
 #[test]
 fn what_is_empty_changes_no_bit() {
-    let volume = sample("cloud", [40, 40, 28], VoxelType::U8);
+    let (cloud, plates) = (sample("cloud", [40, 40, 28], VoxelType::U8), two_plates());
     let mut renderer = gpu(&Ceiling::default());
-    for light in
-        ["directional.direction = [0.8, -0.6, -0.5]", "point = { position = [-2, 1.5, 1], falloff = \"none\" }"]
-    {
-        for technique in ["indirect = 0.0", "taps = 6", "in_scatter = \"both_from_matter\""] {
+    let lights = [
+        "directional.direction = [0.8, -0.6, -0.5]",
+        "directional.direction = [1, 0, 0]",
+        "point = { position = [-3, 1.5, 1], falloff = \"none\" }",
+    ];
+    let techniques = ["indirect = 0.0", "taps = 6\nblur_angle = 80", "in_scatter = \"both_from_matter\""];
+    for (volume, top) in [(&cloud, 1), (&plates, 255)] {
+        for (light, technique) in lights.iter().flat_map(|light| techniques.map(|technique| (light, technique))) {
             let mut draw = |skipping: bool| {
                 let document = format!(
                     "shading = false\n[volumes.transfer_function]\ncolors = [[0, \"#ffffff\"]]\n\
-                     opacities = [[0.3, 0], [1, 0.6]]\nunit_distance = 0.1\n\
+                     opacities = [[{}, 0], [{top}, 0.6]]\nunit_distance = 0.1\n\
                      [[lighting.lights]]\nkind.{light}\n[technique.half_angle]\nresolution = 90\n{technique}\n\
-                     [quality]\nempty_space_skipping = {skipping}\n"
+                     [quality]\nempty_space_skipping = {skipping}\n",
+                    f64::from(top) * 0.3
                 );
-                draw(&mut renderer, &stage(&volume, &document, [60, 60]))
+                draw(&mut renderer, &stage(volume, &document, [60, 60]))
             };
             let (with, without) = (draw(true), draw(false));
             assert!(with.statistics.samples < without.statistics.samples, "{technique}");
