@@ -21,6 +21,7 @@ mod path_trace;
 mod prepare;
 mod projection;
 mod rays;
+mod reconstruct;
 mod renderer;
 mod samples;
 mod scatter;

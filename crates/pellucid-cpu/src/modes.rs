@@ -1,17 +1,18 @@
 //! The integrator of a stage's mode.
 
-use pellucid_field::{ComponentView, Filter, Gradient, Linear, Reconstruct, Sampler, Voxels, for_voxels};
+use pellucid_field::Sampler;
 use pellucid_scene::{Classification, Combine, Isosurface, Mode};
 
 use crate::RenderError;
 use crate::classify::{Lookup, Post, Pre, Segments};
 use crate::composite::{Composite, Medium, PreIntegrated};
-use crate::field::{Any, Bounds, Displaced, Entered, Field, General, Moved, Probe, Separable, Texel, Trilinear, fits};
+use crate::field::{Any, Field, Moved};
 use crate::integrator::Integrator;
 use crate::isosurface::{Isosurfaces, Level};
 use crate::lanes::{InstructionSet, Lanes, dispatch};
 use crate::prepare::Prepared;
 use crate::projection::{Additive, Average, Extreme, XRay};
+use crate::reconstruct::WithField;
 use crate::scatter::Scatter;
 use crate::shadow::{LightVolume, LightVolumes, Media, Shadow, Surfaces, ToLights};
 use crate::slice::Plane;
@@ -31,14 +32,6 @@ impl Prepared<'_> {
     ) -> Result<Box<dyn Integrator + 'a>, RenderError> {
         let sampler = self.sampler()?;
         Ok(dispatch!(set, s => self.integrator_in(s, sampler, lights)))
-    }
-
-    /// The field as its filter reconstructs it.
-    ///
-    /// # Errors
-    /// [`RenderError::Field`] if the filter's parameters are out of range.
-    pub fn sampler(&self) -> Result<Sampler<'_>, RenderError> {
-        Ok(Sampler::new(&self.tables.field, self.tables.component, self.tables.filter)?)
     }
 
     /// The modes that most pictures have are compiled with the voxel type that most data have
@@ -65,64 +58,12 @@ impl Prepared<'_> {
                 _ => self.common(s, self.any(sampler), surface),
             };
         }
-        if sampler.filter() == Filter::Linear && self.stage.quality.gradient == Gradient::Central {
-            macro_rules! typed {
-                ($data:expr) => {
-                    if let Some(field) = self.trilinear($data) {
-                        return self.common(s, field, surface);
-                    }
-                };
-            }
-            match self.tables.field.voxels() {
-                Voxels::U8(data) => typed!(data),
-                Voxels::U16(data) => typed!(data),
-                Voxels::I16(data) => typed!(data),
-                Voxels::F32(data) => typed!(data),
-                _ => {}
-            }
-        }
-        self.common(s, self.any(sampler), surface)
-    }
-
-    fn probe<'a, R: Reconstruct>(&'a self, field: R) -> Probe<'a, R> {
-        Probe::new(field, self.grid(), &self.region, self.stage.quality.gradient)
-    }
-
-    fn trilinear<'a, T: Texel>(&'a self, data: &'a [T]) -> Option<Trilinear<'a, T>> {
-        let view = ComponentView::new(&self.tables.field, data, self.tables.component);
-        Trilinear::new(view, Bounds::new(self.grid(), &self.region), self.probe(Linear(view)))
+        self.with_field(sampler, Common { prepared: self, s, surface })
     }
 
     /// What varies optics, if anything does.
     pub fn varied(&self) -> Option<Varied<'_>> {
         self.tables.variation.as_ref().map(Varied)
-    }
-
-    /// The field of any filter and voxel type, displaced if it is.
-    pub fn any<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
-        let plain = self.undisplaced(sampler);
-        let Some(displacer) = &self.tables.displacer else { return plain };
-        let (bounds, grid) = (Bounds::new(self.grid(), &self.region), self.grid());
-        Any(Box::new(Entered(Displaced::new(plain, displacer, bounds, grid.world_from_index_gradient()))))
-    }
-
-    fn undisplaced<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
-        let boxed = match self.tables.field.voxels() {
-            Voxels::U32(_) | Voxels::I32(_) if !fits(&self.tables.field) => None,
-            voxels => for_voxels!(voxels, data => self.boxed(data, &sampler)),
-        };
-        Any(boxed.unwrap_or_else(|| Box::new(Entered(General(self.probe(sampler))))))
-    }
-
-    fn boxed<'a, S: Lanes, T: Texel>(&'a self, data: &'a [T], sampler: &Sampler<'a>) -> Option<Box<dyn Field<S> + 'a>> {
-        let (trilinear, gradient) = (self.trilinear(data)?, self.stage.quality.gradient);
-        if (sampler.filter(), gradient) == (Filter::Linear, Gradient::Central) {
-            return Some(Box::new(Entered(trilinear)));
-        }
-        let view = ComponentView::new(&self.tables.field, data, self.tables.component);
-        let bounds = Bounds::new(self.grid(), &self.region);
-        let field = Separable::new(view, bounds, gradient, trilinear, self.probe(sampler.clone()))?;
-        Some(Box::new(Entered(field)))
     }
 
     fn common<'a, S: Lanes, F: Field<S> + 'a>(
@@ -294,5 +235,20 @@ impl Prepared<'_> {
     fn levels(&self, isosurface: &Isosurface) -> Vec<Level> {
         let tf = &self.volume.transfer_function;
         isosurface.isovalues.iter().map(|iso| Level::new(iso, tf)).collect()
+    }
+}
+
+/// The modes that most pictures have, once the field is known.
+struct Common<'a, S> {
+    prepared: &'a Prepared<'a>,
+    s: S,
+    surface: Option<Surface<'a, S>>,
+}
+
+impl<'a, S: Lanes> WithField<'a, S> for Common<'a, S> {
+    type Output = Box<dyn Integrator + 'a>;
+
+    fn with<F: Field<S> + 'a>(self, field: F) -> Self::Output {
+        self.prepared.common(self.s, field, self.surface)
     }
 }

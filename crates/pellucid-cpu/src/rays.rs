@@ -9,10 +9,12 @@
 
 use glam::DVec3;
 use pellucid_field::Grid;
+use pellucid_scene::half_angle::LightFrame;
 use pellucid_scene::{Jitter, Region, Stage, blue_noise};
 
 use crate::lanes::{InstructionSet, Lanes, MOST_LANES, dispatch, width};
 use crate::packet::Packet;
+use crate::tiles::Tile;
 
 /// One number a lane, in f64: far from the volume f32 would blur the entry.
 type Wide = [f64; MOST_LANES];
@@ -39,14 +41,27 @@ struct Plane {
     above: [f64; 3],
 }
 
-/// Makes packets of the rays of a stage.
+/// Where the rays of a picture come from: an eye, or a light.
+struct Source {
+    position: DVec3,
+    forward: DVec3,
+    right: DVec3,
+    up: DVec3,
+    /// Whether they leave one point.
+    perspective: bool,
+    /// How far to the right and up the picture's corner (0, 0) is, at distance 1 or in world units.
+    corner: [f64; 2],
+    /// How far it is from there to the next pixel on the right, and below.
+    pixel: [f64; 2],
+    jitter: Jitter,
+}
+
+/// Makes packets of the rays of a picture.
 pub struct Emitter {
     set: InstructionSet,
     perspective: bool,
-    /// The middle of the picture in pixels.
-    middle: [f64; 2],
-    /// Length of a pixel's side.
-    pixel: f64,
+    corner: [f64; 2],
+    pixel: [f64; 2],
     /// Rays in index space, and their directions in the world; both per unit of world length once
     /// divided by the length of the latter.
     origin: Linear,
@@ -60,21 +75,52 @@ pub struct Emitter {
 }
 
 impl Emitter {
-    /// For the camera and quality of a stage, a grid, and what clips leave of it.
-    pub fn new(stage: &Stage, grid: &Grid, region: &Region, set: InstructionSet) -> Self {
+    /// Of the eye, for the camera and quality of a stage, a grid, and what clips leave of it.
+    pub fn of_eye(stage: &Stage, grid: &Grid, region: &Region, set: InstructionSet) -> Self {
         let view = &stage.viewpoint;
+        let pixel = 2.0 * view.half_height / view.height as f64;
+        let middle = [view.width as f64 / 2.0 - view.shift.x, view.height as f64 / 2.0 - view.shift.y];
+        let source = Source {
+            position: view.eye,
+            forward: view.forward,
+            right: view.right,
+            up: view.up,
+            perspective: view.perspective,
+            corner: [-middle[0] * pixel, middle[1] * pixel],
+            pixel: [pixel, -pixel],
+            jitter: stage.quality.jitter,
+        };
+        Self::new(source, stage.step, grid, region, set)
+    }
+
+    /// Of a light, through the texels of its picture.
+    pub fn of_light(frame: &LightFrame, step: f64, grid: &Grid, region: &Region, set: InstructionSet) -> Self {
+        let source = Source {
+            position: frame.origin,
+            forward: frame.forward,
+            right: frame.right,
+            up: frame.up,
+            perspective: !frame.is_directional,
+            corner: frame.low.to_array(),
+            pixel: frame.texel.to_array(),
+            jitter: Jitter::Centered,
+        };
+        Self::new(source, step, grid, region, set)
+    }
+
+    fn new(source: Source, step: f64, grid: &Grid, region: &Region, set: InstructionSet) -> Self {
         let index = |v: DVec3| grid.index_from_world().transform_vector3(v);
-        let eye = grid.index_from_world().transform_point3(view.eye);
+        let start = grid.index_from_world().transform_point3(source.position);
         let nothing = DVec3::ZERO;
         // Rays of a perspective leave one point, others one direction.
-        let (to, from) = if view.perspective {
-            ([view.right, view.up], [nothing; 2])
+        let (to, from) = if source.perspective {
+            ([source.right, source.up], [nothing; 2])
         } else {
-            ([nothing; 2], [view.right, view.up])
+            ([nothing; 2], [source.right, source.up])
         };
         let plane = |&(normal, offset): &(DVec3, f64)| Plane {
-            slope: [normal.dot(view.forward), normal.dot(to[0]), normal.dot(to[1])],
-            above: [normal.dot(view.eye) - offset, normal.dot(from[0]), normal.dot(from[1])],
+            slope: [normal.dot(source.forward), normal.dot(to[0]), normal.dot(to[1])],
+            above: [normal.dot(source.position) - offset, normal.dot(from[0]), normal.dot(from[1])],
         };
         let (low, high) = grid.index_bounds();
         // Rounding must not make rays along a face of the box miss it.
@@ -82,18 +128,39 @@ impl Emitter {
         let (low, high) = (low - room, high + room);
         Self {
             set,
-            perspective: view.perspective,
-            middle: [view.width as f64 / 2.0 - view.shift.x, view.height as f64 / 2.0 - view.shift.y],
-            pixel: 2.0 * view.half_height / view.height as f64,
-            origin: Linear { middle: eye, right: index(from[0]), up: index(from[1]) },
-            direction: Linear { middle: index(view.forward), right: index(to[0]), up: index(to[1]) },
-            world_direction: Linear { middle: view.forward, right: to[0], up: to[1] },
+            perspective: source.perspective,
+            corner: source.corner,
+            pixel: source.pixel,
+            origin: Linear { middle: start, right: index(from[0]), up: index(from[1]) },
+            direction: Linear { middle: index(source.forward), right: index(to[0]), up: index(to[1]) },
+            world_direction: Linear { middle: source.forward, right: to[0], up: to[1] },
             low,
             high,
             planes: region.half_spaces().iter().map(plane).collect(),
-            step: stage.step,
-            jitter: stage.quality.jitter,
+            step,
+            jitter: source.jitter,
         }
+    }
+
+    /// Rays through pixels of a tile whose first is at `[left, top]`, so many of `lanes` side by side; `sub` is the
+    /// number of the ray within its pixel, which has `n` times `n`. Returns how many met the field.
+    pub fn emit_pixels(
+        &self,
+        tile: &Tile,
+        [left, top]: [usize; 2],
+        [lanes, columns]: [usize; 2],
+        (sub, n): (usize, usize),
+        packet: &mut Packet,
+    ) -> u64 {
+        let (mut x, mut y, mut wanted) = ([0.0; MOST_LANES], [0.0; MOST_LANES], [false; MOST_LANES]);
+        let inside = |cell: usize| (cell as f64 + 0.5) / n as f64;
+        for lane in 0..lanes {
+            let (column, row) = (left + lane % columns, top + lane / columns);
+            x[lane] = (tile.x + column) as f64 + inside(sub % n);
+            y[lane] = (tile.y + row) as f64 + inside(sub / n);
+            wanted[lane] = column < tile.width && row < tile.height;
+        }
+        self.emit(&x, &y, &wanted, sub, packet)
     }
 
     /// Rays through picture positions, in pixels from the top left; the lanes without a `true` stay
@@ -121,8 +188,8 @@ impl Emitter {
                 let (mut t0, mut t1) = ([0.0; MOST_LANES], [f64::INFINITY; MOST_LANES]);
                 let (mut origin, mut direction) = ([[0.0; MOST_LANES]; 3], [[0.0; MOST_LANES]; 3]);
                 for lane in 0..n {
-                    a[lane] = (x[lane] - self.middle[0]) * self.pixel;
-                    b[lane] = (self.middle[1] - y[lane]) * self.pixel;
+                    a[lane] = x[lane] * self.pixel[0] + self.corner[0];
+                    b[lane] = y[lane] * self.pixel[1] + self.corner[1];
                 }
                 if self.perspective {
                     for lane in 0..n {

@@ -7,7 +7,7 @@ use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, Tech
 use crate::RenderError;
 use crate::half_angle;
 use crate::integrator::{Integrator, Traced};
-use crate::lanes::{InstructionSet, MOST_LANES};
+use crate::lanes::InstructionSet;
 use crate::packet::Packet;
 use crate::path_trace::{PathTracer, denoised};
 use crate::prepare::{Cache, Prepared};
@@ -122,7 +122,7 @@ fn render(
             let prepared = Prepared::new(stage, volume, cache)?;
             let lights = cache.lights(&prepared, set, control)?;
             let integrator = prepared.integrator(set, lights.as_ref().map(|lights| lights.as_slice()))?;
-            let emitter = Emitter::new(stage, prepared.grid(), &prepared.region, set);
+            let emitter = Emitter::of_eye(stage, prepared.grid(), &prepared.region, set);
             drawing = Instant::now();
             tiles.draw(control, |tile| draw_tile(stage, &emitter, integrator.as_ref(), control, tile))?;
         }
@@ -192,7 +192,6 @@ fn draw_tile(
     let rows = lanes / columns;
     let n = stage.quality.supersampling as usize;
     let weight = 1.0 / (n * n) as f32;
-    let (mut x, mut y, mut wanted) = ([0.0; MOST_LANES], [0.0; MOST_LANES], [false; MOST_LANES]);
     let (mut wave, mut traced, mut corners) = (Vec::new(), Vec::new(), Vec::new());
     for (wave_top, wave_left) in tile.corners(columns * WAVE, rows * WAVE) {
         for sub in 0..n * n {
@@ -204,15 +203,8 @@ fn draw_tile(
             corners.clear();
             for number in 0..WAVE * WAVE {
                 let (left, top) = (wave_left + number % WAVE * columns, wave_top + number / WAVE * rows);
-                for lane in 0..lanes {
-                    let (column, row) = (left + lane % columns, top + lane / columns);
-                    let inside = |cell: usize| (cell as f64 + 0.5) / n as f64;
-                    x[lane] = (tile.x + column) as f64 + inside(sub % n);
-                    y[lane] = (tile.y + row) as f64 + inside(sub / n);
-                    wanted[lane] = column < tile.width && row < tile.height;
-                }
                 let mut packet = Packet::NOTHING;
-                let hit = emitter.emit(&x, &y, &wanted, sub, &mut packet);
+                let hit = emitter.emit_pixels(tile, [left, top], [lanes, columns], (sub, n), &mut packet);
                 if hit > 0 {
                     tile.hit += hit;
                     wave.push(packet);

@@ -30,46 +30,72 @@ impl Shape {
         (self.pad + y) * self.stride + self.pad + x
     }
 
-    fn len(&self) -> usize {
+    /// How many texels there are, with those around.
+    pub fn len(&self) -> usize {
         self.stride * (self.height + 2 * self.pad)
     }
 }
 
-/// Planes of numbers: the share of direct light that is left, and red, green and blue indirect light as shares
-/// of the light, if there is any (6.3-4).
+/// What light has lost on its way, texel by texel: the share of direct light and, if there is any, red, green and
+/// blue indirect light as shares of the light (6.3-4). Where nothing is, these are zeros, and stay zeros to the bit
+/// however they are blurred; and one look at a texel finds all of them side by side.
 #[derive(Clone, Debug)]
 pub struct LightBuffer {
-    /// How planes lie in memory.
+    /// How texels lie in memory.
     pub shape: Shape,
-    /// Direct light, then indirect light.
-    pub planes: Vec<Vec<f32>>,
+    /// Light as it enters the volume, in every channel: direct light alone, or indirect light, too.
+    pub fresh: Vec<f32>,
+    /// What is missing of it.
+    pub lost: Vec<f32>,
 }
 
-/// Places in a plane.
+/// Most channels of a texel.
+pub const MOST_CHANNELS: usize = 4;
+
+/// Places between texels.
 pub struct Place<S: Lanes> {
     offset: I32<S>,
     u: F32<S>,
     v: F32<S>,
 }
 
+/// Light at places.
+pub struct Light<S: Lanes> {
+    /// The share of direct light that is left.
+    pub direct: F32<S>,
+    /// Indirect light, if there is any.
+    pub indirect: Option<[F32<S>; 3]>,
+}
+
 impl LightBuffer {
     /// Light as it enters the volume; with `indirect` light, if that is some.
     pub fn new(shape: Shape, indirect: Option<f32>) -> Self {
-        let planes = std::iter::once(1.0).chain(indirect.into_iter().flat_map(|level| [level; 3]));
-        Self { shape, planes: planes.map(|level| vec![level; shape.len()]).collect() }
+        let fresh: Vec<f32> = std::iter::once(1.0).chain(indirect.into_iter().flat_map(|level| [level; 3])).collect();
+        Self { shape, lost: vec![0.0; shape.len() * fresh.len()], fresh }
     }
 
-    /// A plane at one picture position, in texels.
-    pub fn read(&self, plane: usize, at: DVec2) -> f32 {
+    /// How many numbers a texel has if so much `indirect` light enters, if that is some.
+    pub fn channels_of(indirect: Option<f32>) -> usize {
+        if indirect.is_some() { MOST_CHANNELS } else { 1 }
+    }
+
+    /// How many numbers a texel has.
+    #[inline(always)]
+    pub fn channels(&self) -> usize {
+        self.fresh.len()
+    }
+
+    /// Light at one picture position, in texels.
+    pub fn read(&self, channel: usize, at: DVec2) -> f32 {
         let Shape { height, pad, stride, .. } = self.shape;
         let last = DVec2::new((stride - 1) as f64, (height + 2 * pad - 1) as f64);
         let at = (at + DVec2::splat(pad as f64 - 0.5)).clamp(DVec2::ZERO, last);
         // Never the last texel of a row, nor one of the last row: the next one is there, too.
         let (column, row) = ((at.x as usize).min(stride - 2), (at.y as usize).min(height + 2 * pad - 2));
         let [u, v] = [at.x - column as f64, at.y - row as f64].map(|part| part as f32);
-        let texel = |dx: usize, dy: usize| self.planes[plane][(row + dy) * stride + column + dx];
+        let lost = |dx: usize, dy: usize| self.lost[((row + dy) * stride + column + dx) * self.channels() + channel];
         let mix = |t: f32, a: f32, b: f32| a + (b - a) * t;
-        mix(v, mix(u, texel(0, 0), texel(1, 0)), mix(u, texel(0, 1), texel(1, 1)))
+        self.fresh[channel] - mix(v, mix(u, lost(0, 0), lost(1, 0)), mix(u, lost(0, 1), lost(1, 1)))
     }
 
     /// Where picture positions, in texels, are between the middles of four texels. Outside there is light as
@@ -87,20 +113,37 @@ impl LightBuffer {
         Place { offset, u: x - column.to_float::<F32<S>>(), v: y - row.to_float::<F32<S>>() }
     }
 
-    /// A plane at places.
+    /// Light at places.
     #[inline(always)]
-    pub fn fetch<S: Lanes>(&self, s: S, plane: usize, place: &Place<S>) -> F32<S> {
-        let plane = &self.planes[plane];
-        assert!(plane.len() == self.shape.len());
-        let base = plane.as_ptr().cast::<u8>();
-        // SAFETY: `place` gives a texel that is not the last of its row nor in the last row.
-        let [near, far] = unsafe {
+    pub fn fetch<S: Lanes>(&self, s: S, place: &Place<S>) -> Light<S> {
+        assert!(self.lost.len() == self.shape.len() * self.channels());
+        let (base, row) = (self.lost.as_ptr(), self.shape.stride);
+        let fresh = |channel: usize| splat(s, self.fresh[channel]);
+        if self.channels() < MOST_CHANNELS {
+            // SAFETY: `place` gives a texel that is not the last of its row nor in the last row.
+            let [near, far] = unsafe {
+                [
+                    s.gather_pairs::<4>(base.cast(), place.offset),
+                    s.gather_pairs::<4>(base.wrapping_add(row).cast(), place.offset),
+                ]
+            };
+            let near = lerp::<S>(place.u, near[0].bitcast(), near[1].bitcast());
+            let far = lerp::<S>(place.u, far[0].bitcast(), far[1].bitcast());
+            return Light { direct: fresh(0) - lerp::<S>(place.v, near, far), indirect: None };
+        }
+        // SAFETY: as above; a texel has four numbers.
+        let [near, near_next, far, far_next] = unsafe {
             [
-                s.gather_pairs::<4>(base, place.offset),
-                s.gather_pairs::<4>(base.wrapping_add(4 * self.shape.stride), place.offset),
+                s.gather_rows::<2>(base, place.offset),
+                s.gather_rows::<2>(base.wrapping_add(4), place.offset),
+                s.gather_rows::<2>(base.wrapping_add(4 * row), place.offset),
+                s.gather_rows::<2>(base.wrapping_add(4 * row + 4), place.offset),
             ]
         };
-        let near = lerp::<S>(place.u, near[0].bitcast(), near[1].bitcast());
-        lerp::<S>(place.v, near, lerp::<S>(place.u, far[0].bitcast(), far[1].bitcast()))
+        let lost = rgba!(C => {
+            let (near, far) = (lerp::<S>(place.u, near[C], near_next[C]), lerp::<S>(place.u, far[C], far_next[C]));
+            lerp::<S>(place.v, near, far)
+        });
+        Light { direct: fresh(0) - lost[0], indirect: Some(xyz!(C => fresh(C + 1) - lost[C + 1])) }
     }
 }

@@ -4,13 +4,14 @@
 //! segment of its own length, cut where the ray enters and leaves the field, with one sample in it: so a
 //! homogeneous medium has its exact transmittance at any thickness and angle.
 
-use glam::DVec3;
 use pellucid_field::Grid;
 use pellucid_scene::half_angle::Slabs;
-use pellucid_scene::{Ray, Region};
 
 use crate::lanes::*;
-use crate::packet::{PerLane, inverse};
+use crate::packet::{Packet, PerLane, inverse};
+
+/// Slabs that are looked at before it is asked again whether the next ones are empty.
+pub const UNASKED: usize = 8;
 
 /// Rays that cross the same slabs, side by side. Places along them are coordinates of slabs.
 #[derive(Clone, Debug)]
@@ -25,7 +26,7 @@ pub struct Crossing {
     /// Length of the ray in a slab, in steps.
     stretch: PerLane,
     /// Where in a segment its sample lies.
-    pub jitter: PerLane,
+    jitter: PerLane,
 }
 
 impl Crossing {
@@ -39,27 +40,48 @@ impl Crossing {
         jitter: [0.5; MOST_LANES],
     };
 
-    /// Puts the part of a ray between two distances into a lane. Returns whether it travels against the
-    /// order of slabs.
-    pub fn set(&mut self, lane: usize, ray: &Ray, span: (f64, f64), slabs: &Slabs, grid: &Grid, step: f64) -> bool {
+    /// Takes up the rays of a packet, `step` world units to a step. Returns 1 for those that travel against the
+    /// order of slabs, else 0.
+    pub fn take<S: Lanes>(&mut self, s: S, packet: &Packet, slabs: &Slabs, grid: &Grid, step: f64) -> PerLane {
         // A ray that lies in a slab crosses it very slowly.
         const SLOWEST: f64 = 1e-6;
-        let cosine = slabs.axis.dot(ray.direction);
-        let backward = cosine < 0.0;
-        let speed = cosine.abs().max(SLOWEST) / slabs.thickness;
-        let (first, way) = if backward { (span.1, -ray.direction) } else { (span.0, ray.direction) };
-        let entry = ray.origin + ray.direction * first;
-        let from = slabs.coordinate(entry);
-        let index = grid.index_from_world();
-        let (origin, direction) = (index.transform_point3(entry), index.transform_vector3(way / speed));
-        for axis in 0..3 {
-            self.origin[axis][lane] = origin[axis] as f32;
-            self.direction[axis][lane] = direction[axis] as f32;
-        }
-        self.from[lane] = from.max(0.0) as f32;
-        self.to[lane] = (from + (span.1 - span.0) * speed).min(slabs.count as f64) as f32;
-        self.stretch[lane] = (1.0 / (speed * step)) as f32;
-        backward
+        let world = grid.world_from_index();
+        // The coordinate of slabs, by index position.
+        let slope = world.matrix3.transpose() * slabs.axis / slabs.thickness;
+        let (start, slowest) = (slabs.coordinate(world.translation), SLOWEST * step / slabs.thickness);
+        s.vectorize(
+            #[inline(always)]
+            || {
+                self.jitter = packet.jitter;
+                let mut backward = [0.0; MOST_LANES];
+                // One plain loop over plain arrays, of which the compiler makes vectors.
+                for lane in 0..MOST_LANES {
+                    let origin = xyz!(I => f64::from(packet.origin[I][lane]));
+                    let direction = xyz!(I => f64::from(packet.direction[I][lane]));
+                    let steps = f64::from(packet.count[lane] - 1.0) + f64::from(packet.last_ratio[lane]);
+                    let steps = if packet.count[lane] > 0.0 { steps } else { 0.0 };
+                    let advance = slope.x * direction[0] + slope.y * direction[1] + slope.z * direction[2];
+                    let is_backward = advance < 0.0;
+                    let speed = if advance.abs() > slowest { advance.abs() } else { slowest };
+                    let first = if is_backward { steps } else { 0.0 };
+                    let along = if is_backward { -1.0 / speed } else { 1.0 / speed };
+                    let entry = xyz!(I => origin[I] + direction[I] * first);
+                    let from = start + slope.x * entry[0] + slope.y * entry[1] + slope.z * entry[2];
+                    let to = from + steps * speed;
+                    let (from, end) = (if from > 0.0 { from } else { 0.0 }, slabs.count as f64);
+                    for axis in 0..3 {
+                        self.origin[axis][lane] = entry[axis] as f32;
+                        self.direction[axis][lane] = (direction[axis] * along) as f32;
+                    }
+                    self.from[lane] = from as f32;
+                    self.to[lane] =
+                        if steps > 0.0 { if to < end { to as f32 } else { end as f32 } } else { from as f32 };
+                    self.stretch[lane] = (1.0 / speed) as f32;
+                    backward[lane] = if is_backward { 1.0 } else { 0.0 };
+                }
+                backward
+            },
+        )
     }
 
     /// The lanes that have a ray.
@@ -74,22 +96,6 @@ impl Crossing {
         let last = lanes().map(|lane| self.to[lane]).fold(0.0, f32::max);
         first.min(last) as usize..last.ceil() as usize
     }
-}
-
-/// The part of a ray inside a grid's box and what clips leave of it, by distances.
-pub fn chord(ray: &Ray, from: f64, grid: &Grid, region: &Region) -> Option<(f64, f64)> {
-    let index = grid.index_from_world();
-    let (origin, direction) = (index.transform_point3(ray.origin), index.transform_vector3(ray.direction));
-    let (low, high): (DVec3, DVec3) = grid.index_bounds();
-    let (mut t0, mut t1) = (from, f64::INFINITY);
-    for axis in 0..3 {
-        // A ray along a face is on one side of it by the sign of a huge number.
-        let slope = if direction[axis].abs() < 1e-200 { 1e-200 } else { direction[axis] };
-        let ends = [(low[axis] - origin[axis]) / slope, (high[axis] - origin[axis]) / slope];
-        t0 = t0.max(ends[0].min(ends[1]));
-        t1 = t1.min(ends[0].max(ends[1]));
-    }
-    if t0 < t1 { region.interval(ray, t0, t1) } else { None }
 }
 
 /// A crossing in vectors.
@@ -162,8 +168,18 @@ impl<S: Lanes> Crossings<S> {
     /// sample's position. At most to the end of all rays.
     #[inline(always)]
     pub fn leap(&self, s: S, k: usize, clear: impl FnOnce(&Vec3<S>) -> F32<S>) -> usize {
+        self.least(s, k, self.to.simd_gt(splat(s, k as f32)), clear)
+    }
+
+    /// The same from slab k back, to where all rays begin.
+    #[inline(always)]
+    pub fn leap_back(&self, s: S, k: usize, clear: impl FnOnce(&Vec3<S>) -> F32<S>) -> usize {
+        self.least(s, k, self.from.simd_lt(splat(s, (k + 1) as f32)), clear)
+    }
+
+    #[inline(always)]
+    fn least(&self, s: S, k: usize, open: Mask<S>, clear: impl FnOnce(&Vec3<S>) -> F32<S>) -> usize {
         let Passage { index, .. } = self.passage(s, k);
-        let open = self.to.simd_gt(splat(s, k as f32));
         let clear = open.select(clear(&index), splat(s, f32::INFINITY));
         let least = clear.as_slice().iter().copied().fold(f32::INFINITY, f32::min);
         least as usize

@@ -4,17 +4,17 @@ use std::ops::Range;
 
 use glam::DVec3;
 use pellucid_scene::half_angle::{LightFrame, Slabs, Ways};
-use pellucid_scene::{Jitter, LightCorrection, Stage, blue_noise};
+use pellucid_scene::{LightCorrection, Stage};
 
-use super::buffer::LightBuffer;
-use super::crossing::{Crossing, Crossings, Passage, chord};
+use super::buffer::{Light, LightBuffer};
+use super::crossing::{Crossing, Crossings, Passage, UNASKED};
 use super::frame::Project;
 use super::transport;
 use crate::classify::{Lookup, over_length};
-use crate::field::{Any, Field};
+use crate::field::Field;
 use crate::integrator::{Found, Tally};
 use crate::lanes::*;
-use crate::packet::PerLane;
+use crate::packet::{Packet, PerLane};
 use crate::prepare::Prepared;
 use crate::skip::SkipGrid;
 use crate::surface::{Surface, Unlit, normals};
@@ -30,6 +30,8 @@ pub struct EyePacket {
     /// 1 where the ray meets the last slabs first, else 0.
     backward: PerLane,
     color: [PerLane; 4],
+    /// Coordinate at which the opacity of rays in the order of slabs first reaches one half, or infinite.
+    half: PerLane,
     samples: PerLane,
     /// The first slab that may hold anything, and the end of all rays.
     next: usize,
@@ -37,52 +39,38 @@ pub struct EyePacket {
 }
 
 impl EyePacket {
-    /// Rays through pixels whose first is at a corner of a tile at a place of the picture, `columns` side by
-    /// side; `sub` is the number of the ray within its pixel. `None` if none meets the field.
-    pub fn new(
-        prepared: &Prepared,
+    /// No rays.
+    pub const NOTHING: Self = Self {
+        corner: [0; 2],
+        crossing: Crossing::NOTHING,
+        to_eye: [[0.0; MOST_LANES]; 3],
+        backward: [0.0; MOST_LANES],
+        color: [[0.0; MOST_LANES]; 4],
+        half: [f32::INFINITY; MOST_LANES],
+        samples: [0.0; MOST_LANES],
+        next: 0,
+        last: 0,
+    };
+
+    /// Takes up rays, of which the first is at a corner of its tile. Returns whether any of them meets a slab.
+    pub fn take<S: Lanes>(
+        &mut self,
+        s: S,
+        rays: &Packet,
         slabs: &Slabs,
-        [place, corner, size]: [[usize; 2]; 3],
-        [lanes, columns]: [usize; 2],
-        sub: usize,
-    ) -> Option<Self> {
-        let (stage, grid) = (prepared.stage, prepared.grid());
-        let n = stage.quality.supersampling as usize;
-        let mut packet = Self {
-            corner,
-            crossing: Crossing::NOTHING,
-            to_eye: [[0.0; MOST_LANES]; 3],
-            backward: [0.0; MOST_LANES],
-            color: [[0.0; MOST_LANES]; 4],
-            samples: [0.0; MOST_LANES],
-            next: 0,
-            last: 0,
-        };
-        for lane in 0..lanes {
-            let (column, row) = (corner[0] + lane % columns, corner[1] + lane / columns);
-            if column >= size[0] || row >= size[1] {
-                continue;
-            }
-            let x = (place[0] + column) as f64 + ((sub % n) as f64 + 0.5) / n as f64;
-            let y = (place[1] + row) as f64 + ((sub / n) as f64 + 0.5) / n as f64;
-            let ray = stage.viewpoint.ray(x, y);
-            let Some(span) = chord(&ray, 0.0, grid, &prepared.region) else { continue };
-            let backward = packet.crossing.set(lane, &ray, span, slabs, grid, stage.step);
-            packet.backward[lane] = f32::from(u8::from(backward));
-            packet.crossing.jitter[lane] = match stage.quality.jitter {
-                Jitter::Centered => 0.5,
-                Jitter::BlueNoise { seed } => {
-                    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-                    (blue_noise(x as usize, y as usize, seed) + sub as f64 * GOLDEN).fract() as f32
-                }
-            };
-            for axis in 0..3 {
-                packet.to_eye[axis][lane] = -ray.direction[axis] as f32;
+        prepared: &Prepared,
+        corner: [usize; 2],
+    ) -> bool {
+        self.corner = corner;
+        self.backward = self.crossing.take(s, rays, slabs, prepared.grid(), prepared.stage.step);
+        for (lanes, directions) in self.to_eye.iter_mut().zip(&rays.world_direction) {
+            for (lane, direction) in lanes.iter_mut().zip(directions) {
+                *lane = -direction;
             }
         }
-        let Range { start, end } = packet.crossing.slabs();
-        (packet.next, packet.last) = (start, end);
-        (start < end).then_some(packet)
+        let Range { start, end } = self.crossing.slabs();
+        (self.next, self.last) = (start, end);
+        start < end
     }
 
     /// The slabs that it meets.
@@ -92,11 +80,11 @@ impl EyePacket {
 }
 
 /// What is needed to look at slabs.
-pub struct Eye<'a, S: Lanes> {
+pub struct Eye<'a, S: Lanes, F> {
     /// The instruction set.
     pub s: S,
     /// The field.
-    pub field: Any<'a, S>,
+    pub field: &'a F,
     /// Associated colours of one step.
     pub table: Lookup<'a>,
     /// What gets through of indirect light over half of a slab, if that is something else.
@@ -121,14 +109,7 @@ pub struct Eye<'a, S: Lanes> {
     pub early_termination: f32,
 }
 
-/// Light as it reaches samples, as shares of the source.
-struct Arriving<S: Lanes> {
-    direct: F32<S>,
-    /// If there is any.
-    indirect: Option<[F32<S>; 3]>,
-}
-
-impl<S: Lanes> Eye<'_, S> {
+impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
     /// Looks at a run of slabs, each lit by what has come to it.
     pub fn look(&self, packets: &mut [EyePacket], run: Range<usize>, lights: &[LightBuffer], tally: &mut Tally) {
         self.s.vectorize(
@@ -146,7 +127,7 @@ impl<S: Lanes> Eye<'_, S> {
         let s = self.s;
         let rays = Crossings::new(s, &packet.crossing);
         let mut color = rgba!(C => load(s, &packet.color[C]));
-        let mut samples = load(s, &packet.samples);
+        let [mut half, mut samples] = [load(s, &packet.half), load(s, &packet.samples)];
         let backward = load(s, &packet.backward).simd_gt(splat(s, 0.5));
         let aim = self.surface.aim(s, xyz!(I => load(s, &packet.to_eye[I])));
         let end = run.end.min(packet.last);
@@ -165,7 +146,8 @@ impl<S: Lanes> Eye<'_, S> {
                     continue;
                 }
             }
-            for k in k..end {
+            let stop = end.min(k + UNASKED);
+            for k in k..stop {
                 let passage = rays.passage(s, k);
                 let open = backward | color[3].simd_lt(splat(s, self.early_termination));
                 let lanes = passage.lanes & open;
@@ -182,8 +164,10 @@ impl<S: Lanes> Eye<'_, S> {
                 let new = visible.select(backward.select(one, one - color[3]), zero);
                 let old = (visible & backward).select(one - rgba[3], one);
                 color = rgba!(C => new.mul_add(rgba[C], old * color[C]));
+                let here = color[3].simd_ge(splat(s, 0.5)) & half.simd_eq(splat(s, f32::INFINITY));
+                half = here.select(passage.place, half);
             }
-            k = end;
+            k = stop;
         }
         packet.next = k;
         let open = backward | color[3].simd_lt(splat(s, self.early_termination));
@@ -193,6 +177,7 @@ impl<S: Lanes> Eye<'_, S> {
         for channel in 0..4 {
             store::<S>(color[channel], &mut packet.color[channel]);
         }
+        store::<S>(half, &mut packet.half);
         store::<S>(samples, &mut packet.samples);
     }
 
@@ -225,7 +210,7 @@ impl<S: Lanes> Eye<'_, S> {
         }
         let rgba = over_length(s, one_step, ratio);
         let indirect = match &self.half_transport {
-            Some(table) if light.planes.len() > 1 => {
+            Some(table) if light.channels() > 1 => {
                 let through = transport::through(s, table, value, splat(s, 1.0));
                 Some(match &noise {
                     Some((varied, noise)) => varied.transport(s, noise, through),
@@ -276,20 +261,13 @@ impl<S: Lanes> Eye<'_, S> {
         alpha: F32<S>,
         through: Option<[F32<S>; 3]>,
         k: usize,
-    ) -> Arriving<S> {
+    ) -> Light<S> {
         let (s, one) = (self.s, splat(self.s, 1.0));
         let [texels, _] = self.frame.texels(s, index);
         let place = light.place(s, texels);
-        let direct = light.fetch(s, 0, &place);
-        let indirect = (light.planes.len() > 1).then_some(());
+        let Light { direct, indirect } = light.fetch(s, &place);
         let (inside, halves) = match (self.correction, self.ways) {
-            (LightCorrection::None, _) => {
-                let indirect = match indirect {
-                    Some(()) => Some(xyz!(C => light.fetch(s, C + 1, &place))),
-                    None => None,
-                };
-                return Arriving { direct, indirect };
-            }
+            (LightCorrection::None, _) => return Light { direct, indirect },
             (LightCorrection::HalfSlab, Ways::Same(steps)) => (part * steps, part * 2.0),
             (LightCorrection::HalfSlab, Ways::From { place, step }) => {
                 let distance = self.frame.distance(s, index);
@@ -300,12 +278,10 @@ impl<S: Lanes> Eye<'_, S> {
         let left = part_through(s, one - alpha, inside);
         let indirect = match (indirect, through) {
             (None, _) => None,
-            (Some(()), None) => Some(xyz!(C => light.fetch(s, C + 1, &place) * left)),
-            (Some(()), Some(through)) => {
-                Some(xyz!(C => light.fetch(s, C + 1, &place) * transport::over(s, through[C], halves)))
-            }
+            (Some(light), None) => Some(xyz!(C => light[C] * left)),
+            (Some(light), Some(through)) => Some(xyz!(C => light[C] * transport::over(s, through[C], halves))),
         };
-        Arriving { direct: direct * left, indirect }
+        Light { direct: direct * left, indirect }
     }
 
     /// What the rays of a packet found, where half of their opacity is reached, and the surface there.
@@ -340,44 +316,69 @@ impl<S: Lanes> Eye<'_, S> {
     }
 
     /// Index positions at which opacity first reaches one half, from the eye, lanes that have one, and
-    /// normals there: looked for once more, as the eye may have seen the last slabs first.
+    /// normals there.
     #[inline(always)]
     fn half(&self, packet: &EyePacket) -> (Vec3<S>, Mask<S>, Vec3<S>) {
-        let (s, zero, one) = (self.s, splat(self.s, 0.0), splat(self.s, 1.0));
+        let (s, zero) = (self.s, splat(self.s, 0.0));
         let rays = Crossings::new(s, &packet.crossing);
         let backward = load(s, &packet.backward).simd_gt(splat(s, 0.5));
-        let enough = load(s, &packet.color[3]).simd_ge(splat(s, 0.5));
-        let (mut found, mut met) = ([zero; 3], all(s, false));
-        let Range { start, end } = packet.crossing.slabs();
-        for reverse in [false, true] {
-            let mut open = enough & if reverse { backward } else { !backward };
-            let mut through = one;
-            let mut number = 0;
-            while number < end - start && open.any_true() {
-                let k = if reverse { end - 1 - number } else { start + number };
-                number += 1;
-                let Passage { index, ratio, lanes, .. } = rays.passage(s, k);
-                let lanes = lanes & open;
-                if !lanes.any_true() {
+        let met = load(s, &packet.color[3]).simd_ge(splat(s, 0.5));
+        if !met.any_true() {
+            return ([zero; 3], met, [zero; 3]);
+        }
+        let mut half = load(s, &packet.half);
+        if (met & backward).any_true() {
+            half = backward.select(self.half_from_eye(&rays, packet.crossing.slabs(), met & backward), half);
+        }
+        // By rounding, opacity may reach one half on the one way and not on the other.
+        let met = met & half.is_finite();
+        let found = rays.at(met.select(half, zero));
+        let normal = normals(s, self.field.gradients(s, found, met)).0;
+        (found, met, normal)
+    }
+
+    /// Coordinates at which opacity first reaches one half, infinite if never: rays whose last slabs were seen first
+    /// are followed once more.
+    #[inline(always)]
+    fn half_from_eye(&self, rays: &Crossings<S>, slabs: Range<usize>, lanes: Mask<S>) -> F32<S> {
+        let (s, one) = (self.s, splat(self.s, 1.0));
+        let back = xyz!(I => -rays.inverse[I]);
+        let (mut found, mut through, mut open) = (splat(s, f32::INFINITY), one, lanes);
+        let mut end = slabs.end;
+        while end > slabs.start && open.any_true() {
+            let k = end - 1;
+            if let Some(skip) = self.skip {
+                let leap = rays.leap_back(
+                    s,
+                    k,
+                    #[inline(always)]
+                    |index| skip.clear(s, index, &back),
+                );
+                if leap > 0 {
+                    end = end.saturating_sub(leap);
                     continue;
                 }
-                let value = self.field.values(s, index, lanes);
-                let position = self.table.position(s, value);
-                let visible = lanes & self.table.may_be_visible(s, position);
-                let mut alpha = self.table.at(s, position, None)[3];
-                if let Some((varied, noise)) = self.noise(&index) {
-                    alpha = varied.opacity(s, &noise, alpha);
-                }
-                let alpha = opacity_over(s, alpha, ratio);
-                through = visible.select(through * (one - alpha), through);
-                let here = visible & through.simd_le(splat(s, 0.5));
-                found = xyz!(I => here.select(index[I], found[I]));
-                met |= here;
-                open &= !here;
             }
+            end = k;
+            let Passage { place, index, ratio, lanes } = rays.passage(s, k);
+            let lanes = lanes & open;
+            if !lanes.any_true() {
+                continue;
+            }
+            let value = self.field.values(s, index, lanes);
+            let position = self.table.position(s, value);
+            let visible = lanes & self.table.may_be_visible(s, position);
+            let mut alpha = self.table.at(s, position, None)[3];
+            if let Some((varied, noise)) = self.noise(&index) {
+                alpha = varied.opacity(s, &noise, alpha);
+            }
+            let alpha = opacity_over(s, alpha, ratio);
+            through = visible.select(through * (one - alpha), through);
+            let here = visible & through.simd_le(splat(s, 0.5));
+            found = here.select(place, found);
+            open &= !here;
         }
-        let normal = if met.any_true() { normals(s, self.field.gradients(s, found, met)).0 } else { [zero; 3] };
-        (found, met, normal)
+        found
     }
 }
 

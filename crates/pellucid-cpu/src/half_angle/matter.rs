@@ -2,14 +2,16 @@
 
 use std::ops::Range;
 
-use pellucid_scene::half_angle::{LightFrame, Slabs};
+use pellucid_scene::half_angle::Slabs;
 
-use super::crossing::{Crossing, Crossings, Passage};
+use super::crossing::{Crossing, Crossings, Passage, UNASKED};
 use super::transport;
 use crate::classify::Lookup;
-use crate::field::{Any, Field};
-use crate::lanes::*;
+use crate::field::Field;
+use crate::lanes::{self, *};
+use crate::packet::Packet;
 use crate::prepare::Prepared;
+use crate::rays::Emitter;
 use crate::skip::SkipGrid;
 use crate::vary::Varied;
 
@@ -20,8 +22,8 @@ const ROUNDING: f32 = 1e-6;
 pub const BAND: usize = 16;
 /// Texels per row in a tile of a band: where nothing is, nothing is done.
 pub const TILE: usize = 64;
-/// Most slabs whose matter is looked up at once, while its rays are at hand.
-const MOST_RUN: usize = 8;
+/// Most slabs that are passed at once, while their rays are at hand.
+const MOST_RUN: usize = 32;
 
 /// How many slabs to look up at once for pictures of a size: fewer, where each takes much memory. No picture
 /// depends on it.
@@ -34,10 +36,13 @@ pub fn run_length([width, height]: [usize; 2]) -> usize {
 pub struct Band {
     /// Its rays, row by row.
     packets: Vec<LightPacket>,
-    /// For every slab of a run, a plane of opacities on the light's way, and three planes of its indirect
-    /// opacities if these are other ones.
-    planes: Vec<Vec<Vec<f32>>>,
-    /// For every slab of a run, which tiles hold anything; their planes are zero elsewhere.
+    /// Texels per row, and numbers per texel.
+    width: usize,
+    channels: usize,
+    /// For every slab of a run the opacities on the light's way, and if there is indirect light the three of it, too:
+    /// texel by texel, as light lies in its buffer.
+    opacities: Vec<Vec<f32>>,
+    /// For every slab of a run, which tiles hold anything; opacities are zero elsewhere.
     held: Vec<Vec<bool>>,
 }
 
@@ -49,35 +54,33 @@ struct LightPacket {
 }
 
 impl Band {
-    /// The rows from `top` on of a light's picture, `width` texels wide.
-    pub fn new(
+    /// The rows from `top` on of a light's picture, `width` texels wide, for so many slabs at once and numbers per
+    /// texel.
+    pub fn new<S: Lanes>(
+        s: S,
         prepared: &Prepared,
-        frame: &LightFrame,
-        slabs: &Slabs,
+        (emitter, slabs): (&Emitter, &Slabs),
         [top, rows, width]: [usize; 3],
-        [lanes, run]: [usize; 2],
-        chromatic: bool,
+        [run, channels]: [usize; 2],
     ) -> Self {
-        let (grid, step) = (prepared.grid(), prepared.stage.step);
-        // A light that is somewhere shines from there on, a directional one from ever.
-        let from = if frame.position().is_some() { 0.0 } else { f64::NEG_INFINITY };
-        let packet = |row: usize, column: usize| {
-            let mut crossing = Crossing::NOTHING;
-            for lane in 0..lanes {
-                let ray = frame.ray((column + lane) as f64 + 0.5, (top + row) as f64 + 0.5);
-                if let Some(span) = super::crossing::chord(&ray, from, grid, &prepared.region) {
-                    crossing.set(lane, &ray, span, slabs, grid, step);
-                }
-            }
-            let Range { start, end } = crossing.slabs();
-            LightPacket { crossing, next: start, last: end }
+        let lanes = lanes::width::<S>();
+        let packet = |(row, column): (usize, usize)| {
+            let (mut x, y) = ([0.0; MOST_LANES], [(top + row) as f64 + 0.5; MOST_LANES]);
+            x.iter_mut().zip(column..column + lanes).for_each(|(x, column)| *x = column as f64 + 0.5);
+            let mut rays = Packet::NOTHING;
+            emitter.emit(&x, &y, &[true; MOST_LANES], 0, &mut rays);
+            let mut packet = LightPacket { crossing: Crossing::NOTHING, next: 0, last: 0 };
+            packet.crossing.take(s, &rays, slabs, prepared.grid(), prepared.stage.step);
+            (packet.next, packet.last) = (packet.crossing.slabs().start, packet.crossing.slabs().end);
+            packet
         };
         let columns = (0..width).step_by(lanes);
         let packets = (0..rows).flat_map(|row| columns.clone().map(move |column| (row, column)));
-        let planes = if chromatic { 4 } else { 1 };
         Self {
-            packets: packets.map(|(row, column)| packet(row, column)).collect(),
-            planes: vec![vec![vec![0.0; rows * width]; planes]; run],
+            packets: packets.map(packet).collect(),
+            width,
+            channels,
+            opacities: vec![vec![0.0; rows * width * channels]; run],
             held: vec![vec![false; width.div_ceil(TILE)]; run],
         }
     }
@@ -87,12 +90,10 @@ impl Band {
         self.held[number][tile]
     }
 
-    /// Opacity, or indirect opacity of a colour (planes 1 to 3; opacity if they are the same), of texels from
-    /// a place in the band on.
+    /// Opacities of texels of a row, by the slab's number in the run.
     #[inline(always)]
-    pub fn opacity<S: Lanes>(&self, s: S, number: usize, plane: usize, at: usize) -> F32<S> {
-        let planes = &self.planes[number];
-        F32::<S>::from_slice(s, &planes[plane.min(planes.len() - 1)][at..at + width::<S>()])
+    pub fn opacities(&self, number: usize, row: usize, columns: &Range<usize>) -> &[f32] {
+        &self.opacities[number][(row * self.width + columns.start) * self.channels..][..columns.len() * self.channels]
     }
 
     /// The rays of texels, by their place in the band.
@@ -103,11 +104,11 @@ impl Band {
 }
 
 /// What is needed to look matter up.
-pub struct Matter<'a, S> {
+pub struct Matter<'a, S, F> {
     /// The instruction set.
     pub s: S,
     /// The field.
-    pub field: Any<'a, S>,
+    pub field: &'a F,
     /// How far light travels in a slab, in steps.
     pub steps: f32,
     /// Opacities over that length.
@@ -120,17 +121,15 @@ pub struct Matter<'a, S> {
     pub varied: Option<Varied<'a>>,
 }
 
-impl<S: Lanes> Matter<'_, S> {
+impl<S: Lanes, F: Field<S>> Matter<'_, S, F> {
     /// Looks up what a run of slabs holds in a band.
-    pub fn look_up(&self, band: &mut Band, run: Range<usize>, texels: usize) {
-        for (planes, held) in band.planes.iter_mut().zip(&mut band.held) {
+    pub fn look_up(&self, band: &mut Band, run: Range<usize>) {
+        let Band { packets, width: texels, channels, opacities, held } = band;
+        for (opacities, held) in opacities.iter_mut().zip(held.iter_mut()) {
             for (tile, held) in held.iter_mut().enumerate().filter(|(_, held)| **held) {
                 *held = false;
-                for plane in planes.iter_mut() {
-                    for row in plane.chunks_exact_mut(texels) {
-                        let from = tile * TILE;
-                        row[from..texels.min(from + TILE)].fill(0.0);
-                    }
+                for row in opacities.chunks_exact_mut(*texels * *channels) {
+                    row[tile * TILE * *channels..(*texels).min((tile + 1) * TILE) * *channels].fill(0.0);
                 }
             }
         }
@@ -138,7 +137,7 @@ impl<S: Lanes> Matter<'_, S> {
         s.vectorize(
             #[inline(always)]
             || {
-                for (number, packet) in band.packets.iter_mut().enumerate() {
+                for (number, packet) in packets.iter_mut().enumerate() {
                     if packet.next >= run.end || packet.last <= run.start {
                         continue;
                     }
@@ -158,17 +157,12 @@ impl<S: Lanes> Matter<'_, S> {
                                 continue;
                             }
                         }
-                        for k in k..run.end.min(packet.last) {
-                            self.store(
-                                &rays,
-                                k,
-                                &mut band.planes[k - run.start],
-                                &mut band.held[k - run.start],
-                                at,
-                                texels,
-                            );
+                        let stop = run.end.min(packet.last).min(k + UNASKED);
+                        for k in k..stop {
+                            let to = &mut opacities[k - run.start][at * *channels..][..width::<S>() * *channels];
+                            held[k - run.start][at % *texels / TILE] |= self.store(&rays, k, to);
                         }
-                        k = run.end;
+                        k = stop;
                     }
                     packet.next = k;
                 }
@@ -176,31 +170,24 @@ impl<S: Lanes> Matter<'_, S> {
         );
     }
 
+    /// Writes down what rays meet in a slab, if anything.
     #[inline(always)]
-    fn store(
-        &self,
-        rays: &Crossings<S>,
-        k: usize,
-        planes: &mut [Vec<f32>],
-        held: &mut [bool],
-        at: usize,
-        texels: usize,
-    ) {
+    fn store(&self, rays: &Crossings<S>, k: usize, to: &mut [f32]) -> bool {
         let (s, zero, one) = (self.s, splat(self.s, 0.0), splat(self.s, 1.0));
         let Passage { index, ratio, lanes, .. } = rays.passage(s, k);
         if !lanes.any_true() {
-            return;
+            return false;
         }
         let value = self.field.values(s, index, lanes);
         let position = self.table.position(s, value);
         let candidates = lanes & self.table.may_be_visible(s, position);
         if !candidates.any_true() {
-            return;
+            return false;
         }
         let mut alpha = self.table.at(s, position, None)[3];
         let visible = candidates & alpha.simd_gt(zero);
         if !visible.any_true() {
-            return;
+            return false;
         }
         let noise = self.varied.map(
             #[inline(always)]
@@ -213,17 +200,22 @@ impl<S: Lanes> Matter<'_, S> {
         let is_whole = (ratio - self.steps).abs().simd_le(splat(s, self.steps * ROUNDING));
         let ratio = is_whole.select(one, ratio / self.steps);
         let corrected = if is_whole.all_true() { alpha } else { is_whole.select(alpha, opacity_over(s, alpha, ratio)) };
-        held[at % texels / TILE] = true;
-        visible.select(corrected, zero).store_slice(&mut planes[0][at..at + width::<S>()]);
+        let alpha = visible.select(corrected, zero);
+        if to.len() == width::<S>() {
+            alpha.store_slice(to);
+            return true;
+        }
+        let mut opacities = [alpha; 4];
         if let Some(table) = &self.transport {
             let mut through = transport::through(s, table, value, ratio);
             if let Some((varied, noise)) = &noise {
                 through = varied.transport(s, noise, through);
             }
-            for channel in 0..3 {
-                let opacity = visible.select(one - through[channel], zero);
-                opacity.store_slice(&mut planes[channel + 1][at..at + width::<S>()]);
+            for (opacity, through) in opacities[1..].iter_mut().zip(through) {
+                *opacity = visible.select(one - through, zero);
             }
         }
+        store_rows(s, opacities, to);
+        true
     }
 }

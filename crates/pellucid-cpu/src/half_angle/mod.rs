@@ -11,6 +11,7 @@
 //! at hand, and threads meet once a slab.
 
 mod advance;
+mod blur;
 mod buffer;
 mod crossing;
 mod eye;
@@ -30,9 +31,13 @@ use rayon::prelude::*;
 
 use crate::RenderError;
 use crate::classify::Lookup;
+use crate::field::Field;
 use crate::integrator::Found;
 use crate::lanes::*;
+use crate::packet::Packet;
 use crate::prepare::Prepared;
+use crate::rays::Emitter;
+use crate::reconstruct::WithField;
 use crate::surface::Surface;
 use crate::tiles::{Tile, Tiles};
 
@@ -73,7 +78,11 @@ pub fn draw(
         };
         for sub in 0..subs {
             let report = |share: f64| control.report(((done + sub) as f64 + share) / sweeps as f64);
-            dispatch!(set, s => drawing.sweep(s, sub, control, &report, tiles))?;
+            let sampler = prepared.sampler()?;
+            dispatch!(set, s => {
+                let sweep = EyeSweep { s, drawing: &drawing, sub, control, report: &report, tiles: &mut *tiles };
+                prepared.with_field(sampler, sweep)
+            })?;
         }
     }
     Ok(())
@@ -91,24 +100,31 @@ struct Drawing<'a> {
     is_first: bool,
 }
 
-impl Drawing<'_> {
-    /// Adds the picture in this light, by one ray of every pixel.
-    fn sweep<S: Lanes>(
-        &self,
-        s: S,
-        sub: usize,
-        control: &Control,
-        report: &dyn Fn(f64),
-        tiles: &mut Tiles,
-    ) -> Result<(), RenderError> {
-        let eye = self.eye(s)?;
+/// A picture in one light by one ray of every pixel, `sub`, once the field is known.
+struct EyeSweep<'a, S> {
+    s: S,
+    drawing: &'a Drawing<'a>,
+    sub: usize,
+    control: &'a Control<'a>,
+    report: &'a (dyn Fn(f64) + 'a),
+    tiles: &'a mut Tiles,
+}
+
+impl<'f, S: Lanes> WithField<'f, S> for EyeSweep<'_, S> {
+    type Output = Result<(), RenderError>;
+
+    fn with<F: Field<S> + 'f>(self, field: F) -> Self::Output {
+        let Self { s, drawing, sub, control, report, tiles } = self;
+        let Drawing { prepared, settings, geometry, .. } = *drawing;
+        let eye = drawing.eye(s, &field);
         let cancelled = || control.is_cancelled();
-        let mut light = Sweep::new(self.prepared, self.settings, self.geometry, self.matter(s)?, cancelled)?;
+        let mut light = Sweep::new(prepared, settings, geometry, drawing.matter(s, &field), cancelled)?;
         let length = light.run_length();
+        let emitter = Emitter::of_eye(prepared.stage, prepared.grid(), &prepared.region, InstructionSet::of(s));
         let columns = 1 << width::<S>().ilog2().div_ceil(2);
         let packets = |tile: &Tile| match control.is_cancelled() {
             true => Err(RenderError::Cancelled),
-            false => Ok(self.packets(tile, [width::<S>(), columns], sub)),
+            false => Ok(drawing.packets(s, tile, &emitter, columns, sub)),
         };
         let mut seen: Vec<Vec<EyePacket>> = tiles.all().par_iter().map(packets).collect::<Result<_, _>>()?;
         let end = seen.iter().flatten().map(|packet| packet.slabs().end).max().unwrap_or(0);
@@ -124,16 +140,16 @@ impl Drawing<'_> {
             })?;
             report(run.end as f64 / (end + length) as f64);
         }
-        let world_from_index = self.prepared.grid().world_from_index();
-        let n = self.prepared.stage.quality.supersampling as f32;
+        let world_from_index = prepared.grid().world_from_index();
+        let n = prepared.stage.quality.supersampling as f32;
         let rays = 1.0 / (n * n);
         tiles.all_mut().par_iter_mut().zip(&seen).for_each(|(tile, packets)| {
             for packet in packets {
                 let (left, top) = (packet.corner[0], packet.corner[1]);
-                eye.finish(packet, self.prepared.stage, &world_from_index, |lane, mut found: Found| {
+                eye.finish(packet, prepared.stage, &world_from_index, |lane, mut found: Found| {
                     // Light of several sweeps adds up; what holds it back is the same in all of them.
-                    found.color[3] /= self.lights as f32;
-                    tile.hit += u64::from(self.is_first);
+                    found.color[3] /= drawing.lights as f32;
+                    tile.hit += u64::from(drawing.is_first);
                     tile.tally.samples += u64::from(found.samples);
                     tile.add(left + lane % columns, top + lane / columns, rays, &found);
                 });
@@ -142,16 +158,29 @@ impl Drawing<'_> {
         report(1.0);
         Ok(())
     }
+}
 
-    fn packets(&self, tile: &Tile, [lanes, columns]: [usize; 2], sub: usize) -> Vec<EyePacket> {
-        let (place, size) = ([tile.x, tile.y], [tile.width, tile.height]);
-        let packet = |(top, left)| {
-            EyePacket::new(self.prepared, &self.geometry.slabs, [place, [left, top], size], [lanes, columns], sub)
-        };
-        tile.corners(columns, lanes / columns).filter_map(packet).collect()
+impl Drawing<'_> {
+    /// The rays through a tile that meet the field, `columns` side by side.
+    fn packets<S: Lanes>(&self, s: S, tile: &Tile, emitter: &Emitter, columns: usize, sub: usize) -> Vec<EyePacket> {
+        let (prepared, slabs, lanes) = (self.prepared, &self.geometry.slabs, width::<S>());
+        let n = prepared.stage.quality.supersampling as usize;
+        let mut packets: Vec<EyePacket> = Vec::with_capacity((tile.width * tile.height).div_ceil(lanes));
+        for (top, left) in tile.corners(columns, lanes / columns) {
+            let (corner, mut rays) = ([left, top], Packet::NOTHING);
+            if emitter.emit_pixels(tile, corner, [lanes, columns], (sub, n), &mut rays) == 0 {
+                continue;
+            }
+            // Where it will stay: a packet is long.
+            packets.push(EyePacket::NOTHING);
+            if !packets.last_mut().is_some_and(|packet| packet.take(s, &rays, slabs, prepared, corner)) {
+                packets.pop();
+            }
+        }
+        packets
     }
 
-    fn eye<S: Lanes>(&self, s: S) -> Result<Eye<'_, S>, RenderError> {
+    fn eye<'f, S: Lanes, F>(&'f self, s: S, field: &'f F) -> Eye<'f, S, F> {
         let (prepared, settings) = (self.prepared, self.settings);
         let stage = prepared.stage;
         let (material, ambient) = material(stage, prepared.volume, settings, self.lights);
@@ -160,9 +189,9 @@ impl Drawing<'_> {
         if let Some(scatter) = prepared.scatter() {
             surface = surface.scattering(scatter);
         }
-        Ok(Eye {
+        Eye {
             s,
-            field: prepared.any(prepared.sampler()?),
+            field,
             table: Lookup::of_steps(prepared.step_table()),
             half_transport: self.lengths.half_transport(),
             half: self.lengths.steps * 0.5,
@@ -174,19 +203,19 @@ impl Drawing<'_> {
             skip: prepared.grids.skip.as_ref(),
             varied: prepared.varied(),
             early_termination: stage.quality.early_termination,
-        })
+        }
     }
 
-    fn matter<S: Lanes>(&self, s: S) -> Result<Matter<'_, S>, RenderError> {
+    fn matter<'f, S, F>(&'f self, s: S, field: &'f F) -> Matter<'f, S, F> {
         let prepared = self.prepared;
-        Ok(Matter {
+        Matter {
             s,
-            field: prepared.any(prepared.sampler()?),
+            field,
             steps: self.lengths.steps,
             table: self.lengths.opacity(),
             transport: self.lengths.transport().filter(|_| self.settings.indirect > 0.0),
             skip: prepared.grids.skip.as_ref(),
             varied: prepared.varied(),
-        })
+        }
     }
 }

@@ -11,18 +11,20 @@ use super::advance::{Radius, Step};
 use super::buffer::{LightBuffer, Shape};
 use super::matter::{BAND, Band, Matter, TILE, run_length};
 use crate::RenderError;
+use crate::field::Field;
 use crate::lanes::*;
 use crate::prepare::Prepared;
+use crate::rays::Emitter;
 
 /// Light that passes slab after slab.
-pub struct Sweep<'a, S> {
+pub struct Sweep<'a, S, F> {
     settings: &'a HalfAngle,
-    matter: Matter<'a, S>,
+    matter: Matter<'a, S, F>,
     bands: Vec<Band>,
     /// In front of every slab of a run, and behind the last.
     buffers: Vec<LightBuffer>,
-    /// Where something is, if light comes from there alone.
-    presence: Option<LightBuffer>,
+    /// 1 where something is, else 0, texel by texel, if light comes from there alone.
+    presence: Option<Vec<f32>>,
     /// Tiles that differ from light as it entered, band by band.
     touched: Vec<bool>,
     /// The slabs up to which the light of tiles matters to anything.
@@ -33,7 +35,7 @@ pub struct Sweep<'a, S> {
     phase: [f32; 3],
 }
 
-impl<'a, S: Lanes> Sweep<'a, S> {
+impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
     /// Light in front of the first slab.
     ///
     /// # Errors
@@ -42,7 +44,7 @@ impl<'a, S: Lanes> Sweep<'a, S> {
         prepared: &Prepared,
         settings: &'a HalfAngle,
         geometry: &'a Geometry,
-        matter: Matter<'a, S>,
+        matter: Matter<'a, S, F>,
         cancelled: impl Fn() -> bool + Sync,
     ) -> Result<Self, RenderError> {
         let stop = || if cancelled() { Err(RenderError::Cancelled) } else { Ok(()) };
@@ -64,14 +66,15 @@ impl<'a, S: Lanes> Sweep<'a, S> {
         };
         let tiles = shape.width.div_ceil(TILE);
         let run = run_length([shape.width, shape.height]);
-        let chromatic = indirect.is_some() && matter.transport.is_some();
+        let channels = LightBuffer::channels_of(indirect);
+        let emitter = Emitter::of_light(frame, step, prepared.grid(), &prepared.region, InstructionSet::of(matter.s));
         let rows = |top: usize| BAND.min(shape.height - top);
         let bands: Vec<Band> = (0..shape.height.div_ceil(BAND))
             .into_par_iter()
             .map(|band| {
                 stop()?;
                 let place = [band * BAND, rows(band * BAND), shape.width];
-                Ok(Band::new(prepared, frame, slabs, place, [width::<S>(), run], chromatic))
+                Ok(Band::new(matter.s, prepared, (&emitter, slabs), place, [run, channels]))
             })
             .collect::<Result<_, RenderError>>()?;
         let gated = matches!(settings.in_scatter, InScatter::DirectFromMatter | InScatter::BothFromMatter);
@@ -82,7 +85,7 @@ impl<'a, S: Lanes> Sweep<'a, S> {
             settings,
             buffers: buffers.collect::<Result<_, _>>()?,
             matter,
-            presence: (gated && indirect.is_some()).then(|| LightBuffer::new(shape, None)),
+            presence: (gated && indirect.is_some()).then(|| vec![0.0; shape.len()]),
             touched: vec![false; tiles * bands.len()],
             bands,
             needed,
@@ -106,14 +109,13 @@ impl<'a, S: Lanes> Sweep<'a, S> {
     /// texels.
     #[cfg(test)]
     pub fn shine(&mut self, radius: f32) {
-        for buffer in &mut self.buffers {
-            let Shape { width, height, .. } = buffer.shape;
-            buffer.planes.iter_mut().for_each(|plane| plane.fill(0.0));
+        for LightBuffer { shape, fresh, lost } in &mut self.buffers {
+            lost.chunks_exact_mut(fresh.len()).for_each(|texel| texel.copy_from_slice(fresh));
+            let Shape { width, height, .. } = *shape;
             for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
                 let [dx, dy] = [(x, width), (y, height)].map(|(at, n)| at as f32 + 0.5 - n as f32 / 2.0);
                 if dx.hypot(dy) <= radius {
-                    let at = buffer.shape.at(x, y);
-                    buffer.planes.iter_mut().for_each(|plane| plane[at] = 1.0);
+                    lost[shape.at(x, y) * fresh.len()..][..fresh.len()].fill(0.0);
                 }
             }
         }
@@ -129,11 +131,10 @@ impl<'a, S: Lanes> Sweep<'a, S> {
         let last = self.run_length();
         // What is behind the last run is in front of this one; the first run finds all buffers alike.
         self.buffers.swap(0, last);
-        let Self { matter, bands, buffers, .. } = self;
-        let texels = buffers[0].shape.width;
+        let Self { matter, bands, .. } = self;
         bands.par_iter_mut().try_for_each(|band| {
             stop()?;
-            matter.look_up(band, run.clone(), texels);
+            matter.look_up(band, run.clone());
             Ok::<_, RenderError>(())
         })?;
         for slab in run.clone() {
@@ -149,7 +150,7 @@ impl<'a, S: Lanes> Sweep<'a, S> {
         let Self { settings, matter, bands, buffers, presence, touched, needed, reach, .. } = self;
         let offsets = taps::offsets(settings, slab);
         if let Some(presence) = presence {
-            mark(matter.s, bands, presence, number);
+            mark(bands, presence, &buffers[number].shape, number);
         }
         let step = Step {
             s: matter.s,
@@ -159,7 +160,7 @@ impl<'a, S: Lanes> Sweep<'a, S> {
             radius: self.radius,
             in_scatter: settings.in_scatter,
             phase: self.phase,
-            presence: presence.as_ref(),
+            presence: presence.as_deref(),
         };
         let [light, next] = &mut buffers[number..number + 2] else { return };
         let shape = light.shape;
@@ -173,9 +174,7 @@ impl<'a, S: Lanes> Sweep<'a, S> {
             );
             rows.into_iter().any(|row| touched[row * tiles..][columns.clone()].iter().any(|touched| *touched))
         };
-        let mut rows = bands_of(next);
-        let found: Vec<Vec<bool>> = rows
-            .par_iter_mut()
+        let found: Vec<Vec<bool>> = bands_of(&mut next.lost, &shape, light.channels())
             .enumerate()
             .map(|(band, rows)| {
                 let pass = |tile: usize| {
@@ -192,38 +191,27 @@ impl<'a, S: Lanes> Sweep<'a, S> {
     }
 }
 
-/// The rows of bands in all planes of a buffer.
-fn bands_of(buffer: &mut LightBuffer) -> Vec<Vec<&mut [f32]>> {
-    let Shape { height, pad, stride, .. } = buffer.shape;
-    let mut bands: Vec<Vec<&mut [f32]>> = (0..height.div_ceil(BAND)).map(|_| Vec::new()).collect();
-    for plane in &mut buffer.planes {
-        let rows = plane[pad * stride..(pad + height) * stride].chunks_mut(BAND * stride);
-        bands.iter_mut().zip(rows).for_each(|(band, rows)| band.push(rows));
-    }
-    bands
+/// The rows of bands in a buffer of so many numbers per texel, with the padding beside them.
+fn bands_of<'a>(
+    buffer: &'a mut [f32],
+    shape: &Shape,
+    channels: usize,
+) -> impl IndexedParallelIterator<Item = &'a mut [f32]> {
+    let Shape { height, pad, stride, .. } = shape;
+    buffer[pad * stride * channels..(pad + height) * stride * channels].par_chunks_mut(BAND * stride * channels)
 }
 
 /// Marks where a slab holds something with 1, else 0; outside of the picture there is nothing.
-fn mark<S: Lanes>(s: S, bands: &[Band], presence: &mut LightBuffer, number: usize) {
-    let shape = presence.shape;
-    presence.planes[0].fill(0.0);
-    bands_of(presence).par_iter_mut().zip(bands).for_each(|(rows, band)| {
-        s.vectorize(
-            #[inline(always)]
-            || {
-                let count = rows[0].len() / shape.stride;
-                for row in 0..count {
-                    for x in (0..shape.width).step_by(width::<S>()) {
-                        if !band.holds(number, x / TILE) {
-                            continue;
-                        }
-                        let held = band.opacity(s, number, 0, row * shape.width + x).simd_gt(splat(s, 0.0));
-                        let to = row * shape.stride + shape.pad + x;
-                        held.select(splat(s, 1.0), splat(s, 0.0)).store_slice(&mut rows[0][to..to + width::<S>()]);
-                    }
-                }
-            },
-        );
+fn mark(bands: &[Band], presence: &mut [f32], shape: &Shape, number: usize) {
+    presence.fill(0.0);
+    bands_of(presence, shape, 1).zip(bands).for_each(|(rows, band)| {
+        for (row, texels) in rows.chunks_exact_mut(shape.stride).enumerate() {
+            let opacities = band.opacities(number, row, &(0..shape.width));
+            let direct = opacities.chunks_exact(opacities.len() / shape.width).map(|texel| texel[0]);
+            for (texel, opacity) in texels[shape.pad..].iter_mut().zip(direct) {
+                *texel = if opacity > 0.0 { 1.0 } else { 0.0 };
+            }
+        }
     });
 }
 

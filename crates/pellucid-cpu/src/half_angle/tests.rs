@@ -12,6 +12,7 @@ use pellucid_scene::{BlurJitter, BlurScaling, HalfAngle, InScatter, Scene, Sourc
 use super::Drawing;
 use super::matter::Matter;
 use super::sweep::Sweep;
+use crate::field::Any;
 use crate::lanes::{InstructionSet, Lanes, dispatch};
 use crate::prepare::{Cache, Prepared};
 
@@ -90,7 +91,7 @@ fn transporting(stage: &mut Stage, through: [f32; 3]) {
 
 /// What to do with buffers in front of every slab.
 trait Look {
-    fn look<S: Lanes>(&mut self, slab: usize, sweep: &mut Sweep<S>, geometry: &Geometry);
+    fn look<S: Lanes>(&mut self, slab: usize, sweep: &mut Sweep<S, Any<S>>, geometry: &Geometry);
 }
 
 /// Sends light through `slabs` slabs, or all, and shows what is in front of each.
@@ -109,7 +110,8 @@ fn sweep(stage: &Stage, settings: &HalfAngle, slabs: Option<usize>, look: &mut i
         lengths: super::Lengths::new(&prepared, geometry.ways).unwrap(),
     };
     fn run<S: Lanes>(s: S, drawing: &Drawing, slabs: Option<usize>, look: &mut impl Look) {
-        let matter: Matter<S> = drawing.matter(s).unwrap();
+        let field = drawing.prepared.any(drawing.prepared.sampler().unwrap());
+        let matter: Matter<S, Any<S>> = drawing.matter(s, &field);
         let mut sweep = Sweep::new(drawing.prepared, drawing.settings, drawing.geometry, matter, || false).unwrap();
         for slab in 0..slabs.unwrap_or(drawing.geometry.slabs.count) {
             look.look(slab, &mut sweep, drawing.geometry);
@@ -122,23 +124,25 @@ fn sweep(stage: &Stage, settings: &HalfAngle, slabs: Option<usize>, look: &mut i
 }
 
 /// The planes of light after the last slab that was passed, without their padding.
-fn planes<S>(sweep: &Sweep<S>) -> (Vec<Vec<f32>>, [usize; 2])
+fn planes<S>(sweep: &Sweep<S, Any<S>>) -> (Vec<Vec<f32>>, [usize; 2])
 where
     S: Lanes,
 {
     let buffer = &sweep.buffers()[sweep.run_length()];
     let shape = buffer.shape;
-    let rows = |plane: &Vec<f32>| {
-        (0..shape.height).flat_map(|y| plane[shape.at(0, y)..][..shape.width].to_vec()).collect::<Vec<f32>>()
+    let (fresh, channels) = (&buffer.fresh, buffer.channels());
+    let light = |channel: usize, at: usize| fresh[channel] - buffer.lost[at * channels + channel];
+    let plane = |channel: usize| -> Vec<f32> {
+        (0..shape.height).flat_map(|y| (0..shape.width).map(move |x| light(channel, shape.at(x, y)))).collect()
     };
-    (buffer.planes.iter().map(rows).collect(), [shape.width, shape.height])
+    ((0..channels).map(plane).collect(), [shape.width, shape.height])
 }
 
 /// A look at one texel.
 struct Middle(Vec<Vec<f32>>);
 
 impl Look for Middle {
-    fn look<S: Lanes>(&mut self, _: usize, sweep: &mut Sweep<S>, geometry: &Geometry) {
+    fn look<S: Lanes>(&mut self, _: usize, sweep: &mut Sweep<S, Any<S>>, geometry: &Geometry) {
         let (planes, [width, _]) = planes(sweep);
         let [x, y] = geometry.frame.size.map(|n| n / 2);
         self.0.push(planes.iter().map(|plane| plane[y * width + x]).collect());
@@ -168,7 +172,9 @@ fn light_falls_with_the_way_it_came() {
         for pair in middle.0.windows(2).filter(|pair| pair[1][0] > 1e-3) {
             let exact = 0.95f64.powf(path);
             let found = share(pair, 0);
-            if (found - exact).abs() > 1e-5 {
+            // What is lost is written down: what is left is known to the rounding of a number near 1.
+            let rounding = |plane: usize| 1.2e-7 / f64::from(pair[0][plane]);
+            if (found - exact).abs() > 1e-5 + rounding(0) {
                 assert!(found > exact && found <= 1.0, "{light:?}: {found}, exact {exact}");
                 parts += usize::from(found < 1.0);
                 continue;
@@ -176,7 +182,8 @@ fn light_falls_with_the_way_it_came() {
             whole += 1;
             for channel in 0..3 {
                 let (exact, found) = (f64::from(through[channel]).powf(path), share(pair, channel + 1));
-                assert!((found - exact).abs() < 3e-5, "{light:?}: {found}, exact {exact}");
+                let bound = 3e-5 + rounding(channel + 1);
+                assert!((found - exact).abs() < bound, "{light:?}: {found}, exact {exact}");
             }
         }
         assert!(whole > 30 && parts <= 2, "{light:?}: {whole} whole slabs, {parts} parts");
@@ -187,7 +194,7 @@ fn light_falls_with_the_way_it_came() {
 struct Behind(Vec<Vec<f32>>, [usize; 2]);
 
 impl Look for Behind {
-    fn look<S: Lanes>(&mut self, _: usize, sweep: &mut Sweep<S>, _: &Geometry) {
+    fn look<S: Lanes>(&mut self, _: usize, sweep: &mut Sweep<S, Any<S>>, _: &Geometry) {
         (self.0, self.1) = planes(sweep);
     }
 }
@@ -219,7 +226,7 @@ struct Moments {
 }
 
 impl Look for Moments {
-    fn look<S: Lanes>(&mut self, slab: usize, sweep: &mut Sweep<S>, _: &Geometry) {
+    fn look<S: Lanes>(&mut self, slab: usize, sweep: &mut Sweep<S, Any<S>>, _: &Geometry) {
         if slab == 0 {
             sweep.shine(self.beam);
         }

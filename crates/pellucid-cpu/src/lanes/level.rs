@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use fearless_simd::Level;
+use fearless_simd::{Level, Simd};
 
 /// The instructions a renderer may use. The picture is the same up to rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,6 +29,17 @@ impl InstructionSet {
     }
 
     /// The set that is used for this one; `None` if the machine lacks it.
+    /// The one of these vectors.
+    pub(crate) fn of(s: impl Simd) -> Self {
+        match s.level() {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Level::Avx512(_) => Self::Avx512,
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Level::Avx2(_) => Self::Avx2,
+            _ => Self::Baseline,
+        }
+    }
+
     pub(crate) fn resolve(self) -> Option<Self> {
         let best = match Level::new() {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

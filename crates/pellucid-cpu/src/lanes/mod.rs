@@ -89,6 +89,19 @@ pub fn store<S: Simd>(lanes: F32<S>, values: &mut [f32; MOST_LANES]) {
     lanes.store_slice(&mut values[..width::<S>()]);
 }
 
+/// Writes four numbers of every lane side by side, lane after lane.
+#[inline(always)]
+pub fn store_rows<S: Lanes>(s: S, numbers: [F32<S>; 4], to: &mut [f32]) {
+    let mut columns = [[0.0; MOST_LANES]; 4];
+    for (lanes, column) in numbers.into_iter().zip(&mut columns) {
+        store::<S>(lanes, column);
+    }
+    for (block, rows) in to.chunks_exact_mut(16).enumerate() {
+        let four = rgba!(C => fearless_simd::f32x4::from_slice(s, &columns[C][4 * block..][..4]));
+        SimdInterleaved::store_four_interleaved(four, rows);
+    }
+}
+
 /// The same number in all lanes.
 #[inline(always)]
 pub fn splat<S: Simd>(s: S, value: f32) -> F32<S> {

@@ -77,9 +77,10 @@ fn sweep<S: Lanes>(
     let Geometry { frame, slabs, ways, .. } = geometry;
     let cancelled = || control.is_cancelled();
     let lengths = Lengths::new(prepared, *ways)?;
+    let field = prepared.any(prepared.sampler()?);
     let matter = Matter {
         s,
-        field: prepared.any(prepared.sampler()?),
+        field: &field,
         steps: lengths.steps,
         table: lengths.opacity(),
         transport: None,

@@ -1,0 +1,87 @@
+//! The field of a stage, in the type that loops are compiled for.
+
+use pellucid_field::{ComponentView, Filter, Gradient, Linear, Reconstruct, Sampler, Voxels, for_voxels};
+
+use crate::RenderError;
+use crate::field::{Any, Bounds, Displaced, Entered, Field, General, Probe, Separable, Texel, Trilinear, fits};
+use crate::lanes::Lanes;
+use crate::prepare::Prepared;
+
+/// What is to be done with a field of whatever type.
+pub trait WithField<'a, S: Lanes> {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn with<F: Field<S> + 'a>(self, field: F) -> Self::Output;
+}
+
+impl Prepared<'_> {
+    /// The field as its filter reconstructs it.
+    ///
+    /// # Errors
+    /// [`RenderError::Field`] if the filter's parameters are out of range.
+    pub fn sampler(&self) -> Result<Sampler<'_>, RenderError> {
+        Ok(Sampler::new(&self.tables.field, self.tables.component, self.tables.filter)?)
+    }
+
+    /// Does something with the field. What most data have, trilinear interpolation of a few voxel types, comes in a
+    /// type of its own, compiled into the loops; every other field is asked by one virtual call a packet.
+    pub fn with_field<'a, S: Lanes, W: WithField<'a, S>>(&'a self, sampler: Sampler<'a>, with: W) -> W::Output {
+        let plain = sampler.filter() == Filter::Linear && self.stage.quality.gradient == Gradient::Central;
+        if !plain || self.tables.displacer.is_some() {
+            return with.with(self.any(sampler));
+        }
+        macro_rules! typed {
+            ($data:expr) => {
+                if let Some(field) = self.trilinear($data) {
+                    return with.with(field);
+                }
+            };
+        }
+        match self.tables.field.voxels() {
+            Voxels::U8(data) => typed!(data),
+            Voxels::U16(data) => typed!(data),
+            Voxels::I16(data) => typed!(data),
+            Voxels::F32(data) => typed!(data),
+            _ => {}
+        }
+        with.with(self.any(sampler))
+    }
+
+    /// The field of any filter and voxel type, displaced if it is.
+    pub fn any<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
+        let plain = self.undisplaced(sampler);
+        let Some(displacer) = &self.tables.displacer else { return plain };
+        let (bounds, grid) = (Bounds::new(self.grid(), &self.region), self.grid());
+        Any(Box::new(Entered(Displaced::new(plain, displacer, bounds, grid.world_from_index_gradient()))))
+    }
+
+    fn undisplaced<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
+        let boxed = match self.tables.field.voxels() {
+            Voxels::U32(_) | Voxels::I32(_) if !fits(&self.tables.field) => None,
+            voxels => for_voxels!(voxels, data => self.boxed(data, &sampler)),
+        };
+        Any(boxed.unwrap_or_else(|| Box::new(Entered(General(self.probe(sampler))))))
+    }
+
+    fn boxed<'a, S: Lanes, T: Texel>(&'a self, data: &'a [T], sampler: &Sampler<'a>) -> Option<Box<dyn Field<S> + 'a>> {
+        let (trilinear, gradient) = (self.trilinear(data)?, self.stage.quality.gradient);
+        if (sampler.filter(), gradient) == (Filter::Linear, Gradient::Central) {
+            return Some(Box::new(Entered(trilinear)));
+        }
+        let view = ComponentView::new(&self.tables.field, data, self.tables.component);
+        let bounds = Bounds::new(self.grid(), &self.region);
+        let field = Separable::new(view, bounds, gradient, trilinear, self.probe(sampler.clone()))?;
+        Some(Box::new(Entered(field)))
+    }
+
+    fn probe<'a, R: Reconstruct>(&'a self, field: R) -> Probe<'a, R> {
+        Probe::new(field, self.grid(), &self.region, self.stage.quality.gradient)
+    }
+
+    fn trilinear<'a, T: Texel>(&'a self, data: &'a [T]) -> Option<Trilinear<'a, T>> {
+        let view = ComponentView::new(&self.tables.field, data, self.tables.component);
+        Trilinear::new(view, Bounds::new(self.grid(), &self.region), self.probe(Linear(view)))
+    }
+}
