@@ -189,6 +189,11 @@ impl Variation {
         1.0 + self.weights[0] * self.turbulence.bound().min(1.0)
     }
 
+    /// The least that [`extinction`](Self::extinction) can be.
+    pub fn least_extinction(&self) -> f32 {
+        (1.0 - self.weights[0] * self.turbulence.bound().min(1.0)).max(Self::LEAST)
+    }
+
     /// A colour that is not associated, under a noise: each channel times 1 and more or less, at most 1.
     pub fn color(&self, noise: [f32; 4], color: [f32; 3]) -> [f32; 3] {
         [0, 1, 2].map(|c| (color[c] * (1.0 + self.weights[1] * noise[c])).min(color[c].max(1.0)))

@@ -1,8 +1,8 @@
 //! Tables, step tables and visibility against the exact curves and brute force.
 
 use pellucid_optics::{
-    Color, ColorPoint, ColorSpace, DataRange, Interpolation, OpacityPoint, StepTable, Table, TransferFunction,
-    Visibility, correct_opacity,
+    Color, ColorPoint, ColorSpace, DataRange, ExtinctionBounds, Interpolation, OpacityPoint, StepTable, Table,
+    TransferFunction, Visibility, correct_opacity, path_extinction,
 };
 use proptest::prelude::*;
 
@@ -173,6 +173,19 @@ proptest! {
         });
         let wider = beyond.map(|i| table.entries()[i][3]).fold(wider, f32::max);
         prop_assert!(visibility.max_opacity(low, high) <= wider + 1e-6);
+    }
+
+    #[test]
+    fn extinctions_are_bounded_by_the_nodes_around_them(tf in any_function(), a in -0.1f32..1.1, b in -0.1f32..1.1) {
+        let table = Table::build(&tf, [0.0, 1.0], 301).unwrap();
+        let (low, high) = (a.min(b), a.max(b));
+        let [least, most] = ExtinctionBounds::new(&table, 0.5).over(low, high);
+        let (first, last) = (table.nodes().clamped_position(low) as usize, table.nodes().clamped_position(high).ceil());
+        let nodes = (first..=last as usize).map(|node| path_extinction(table.entries()[node][3], 0.5));
+        let (lowest, highest) = nodes.fold((f32::INFINITY, 0.0), |(low, high), v| (v.min(low), v.max(high)));
+        prop_assert_eq!([least, most], [lowest, highest]);
+        prop_assert_eq!(ExtinctionBounds::new(&table, 0.5).over(high + 1e-3, low), [0.0; 2]);
+        prop_assert_eq!(ExtinctionBounds::new(&table, 0.5).over(f32::NAN, low), [0.0; 2]);
     }
 
     #[test]
