@@ -1,5 +1,8 @@
 //! Emission and absorption, front to back (1.4-8, 7.1-2).
 
+use pellucid_optics::Chroma;
+
+use crate::chroma;
 use crate::classify::{Classified, Classify, Segments, over_length};
 use crate::field::Field;
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
@@ -23,6 +26,8 @@ pub struct Medium<'a, S, F> {
     pub skip: Option<&'a SkipGrid>,
     /// The strides that blocks allow, if steps adapt to the data.
     pub levels: Option<&'a Levels>,
+    /// How each colour is held back, if not all alike.
+    pub chroma: Option<Chroma>,
     /// Opacity at which a ray stops.
     pub early_termination: f32,
 }
@@ -59,8 +64,12 @@ impl<S: Lanes, F: Field<S>> Medium<'_, S, F> {
     fn add(&self, ray: &mut Accumulator<S>, distance: F32<S>, rgba: [F32<S>; 4], lanes: Mask<S>) -> Mask<S> {
         let zero = splat(self.s, 0.0);
         let through = lanes.select(splat(self.s, 1.0) - ray.color[3], zero);
-        for (color, sample) in ray.color.iter_mut().zip(rgba) {
-            *color = through.mul_add(sample, *color);
+        match &self.chroma {
+            None => ray.color = rgba!(C => through.mul_add(rgba[C], ray.color[C])),
+            Some(_) => {
+                let found = chroma::over(self.s, self.chroma.as_ref(), ray.color, rgba);
+                ray.color = rgba!(C => lanes.select(found[C], ray.color[C]));
+            }
         }
         let reached = ray.color[3].simd_ge(splat(self.s, 0.5)) & ray.half.simd_eq(splat(self.s, f32::INFINITY));
         ray.half = reached.select(distance, ray.half);
@@ -69,7 +78,8 @@ impl<S: Lanes, F: Field<S>> Medium<'_, S, F> {
 
     #[inline(always)]
     fn finish(&self, ray: &Accumulator<S>, rays: &Rays<S>, traced: &mut Traced) {
-        traced.set_color::<S>(ray.color);
+        let [r, g, b, alpha] = ray.color;
+        traced.set_color::<S>([r, g, b, chroma::coverage(self.s, self.chroma.as_ref(), alpha)]);
         let met = ray.half.is_finite();
         let mut normal = [splat(self.s, 0.0); 3];
         if met.any_true() {
@@ -140,7 +150,7 @@ impl<S: Lanes, F: Field<S>, C: Classify> Composite<'_, S, F, C> {
                                 let Some(Classified { mut rgba, visible }) = classified else { return all(s, false) };
                                 counter.see(visible);
                                 if sample.shortened {
-                                    rgba = over_length(s, rgba, sample.ratio);
+                                    rgba = chroma::over_length(s, medium.chroma.as_ref(), rgba, sample.ratio);
                                 }
                                 if let Some(near) = near {
                                     rgba = medium.lit(

@@ -7,6 +7,7 @@
 //! the samples. What runs per sample is written once and compiled for every instruction set
 //! (`lanes`).
 
+mod chroma;
 mod classify;
 mod composite;
 mod error;

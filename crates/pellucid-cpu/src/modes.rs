@@ -63,7 +63,8 @@ impl Prepared<'_> {
 
     /// What varies optics, if anything does.
     pub fn varied(&self) -> Option<Varied<'_>> {
-        self.tables.variation.as_ref().map(Varied)
+        let chroma = self.stage.chroma(self.volume);
+        self.tables.variation.as_ref().map(|variation| Varied { variation, chroma })
     }
 
     fn common<'a, S: Lanes, F: Field<S> + 'a>(
@@ -170,7 +171,8 @@ impl Prepared<'_> {
     ) -> Medium<'a, S, F> {
         let early_termination = self.stage.quality.early_termination;
         let (skip, levels) = (self.grids.skip.as_ref(), self.grids.levels.as_ref());
-        Medium { s, field, surface, skip, levels, early_termination }
+        let chroma = self.stage.chroma(self.volume);
+        Medium { s, field, surface, skip, levels, chroma, early_termination }
     }
 
     fn extreme<'a, S: Lanes, F: Field<S> + 'a>(
@@ -199,7 +201,7 @@ impl Prepared<'_> {
         let world_from_index = self.grid().world_from_index();
         let surface =
             Surface::new(material.unwrap_or_default(), weight, &stage.lights, stage.ambient, world_from_index);
-        let surface = surface.shadowed(self.shadow(s, sampler, lights), stage.shadow_chroma(self.volume));
+        let surface = surface.shadowed(self.shadow(s, sampler, lights), stage.chroma(self.volume));
         Some(match scatter {
             Some(scatter) => surface.scattering(scatter),
             None => surface,
@@ -228,10 +230,7 @@ impl Prepared<'_> {
                 let away = self.stage.shadow_offset(self.volume, shadows.length) as f32;
                 Box::new(Surfaces { s, field, levels: self.levels(isosurface), ways, away, skip })
             }
-            _ => {
-                let (table, varied) = (Lookup::of_steps(&shadows.table), self.varied());
-                Box::new(Media { field, table, ways, skip, varied, dark: self.stage.shadow_dark(self.volume) })
-            }
+            _ => Box::new(Media { field, table: Lookup::of_steps(&shadows.table), ways, skip, varied: self.varied() }),
         })
     }
 

@@ -134,7 +134,7 @@ pub struct Prepared<'s> {
 pub struct ShadowSteps {
     /// Their length in world units.
     pub length: f64,
-    /// Associated colour and opacity of one.
+    /// Associated colour and opacity of one; of the colour that is lost least.
     pub table: StepTable,
 }
 
@@ -153,8 +153,9 @@ impl<'s> Prepared<'s> {
         let tables = cache.tables.tables(stage, volume)?;
         let grids = cache.grids(&tables);
         let length = stage.shadow_step(volume);
+        let least = stage.chroma(volume).map_or(1.0, |chroma| chroma.least);
         let steps = |length| {
-            let table = StepTable::new(&tables.table, (length / volume.unit_distance()) as f32)?;
+            let table = StepTable::new(&tables.table, (length / volume.unit_distance()) as f32 * least)?;
             Ok::<_, RenderError>(ShadowSteps { length, table })
         };
         let shadows = length.map(steps).transpose()?;

@@ -1,8 +1,9 @@
 //! Light at samples: local reflection (5.4), scattering, and what is left of lights on their way (6.1).
 
 use glam::{DAffine3, Vec3 as GlamVec3};
-use pellucid_optics::{GradientWeight, Incident, Material, ResolvedLight};
+use pellucid_optics::{Chroma, GradientWeight, Incident, Material, ResolvedLight};
 
+use crate::chroma;
 use crate::field::lane_position;
 use crate::lanes::*;
 use crate::scatter::Scatter;
@@ -61,8 +62,8 @@ pub struct Surface<'a, S> {
     local: Vec<(usize, &'a ResolvedLight)>,
     /// What holds their light back on its way, if anything does.
     shadow: Option<Box<dyn Shadow<S> + 'a>>,
-    /// Factors of the extinction there for each colour, if not all of them are 1 (K-13).
-    chroma: Option<[f32; 3]>,
+    /// How it holds back each colour, if not all alike.
+    chroma: Option<Chroma>,
     world_from_index: DAffine3,
 }
 
@@ -131,8 +132,8 @@ impl<'a, S: Lanes> Surface<'a, S> {
         }
     }
 
-    /// The same, in the shadow of what holds light back, each colour of it by its factor of the extinction.
-    pub fn shadowed(self, shadow: Option<Box<dyn Shadow<S> + 'a>>, chroma: Option<[f32; 3]>) -> Self {
+    /// The same, in the shadow of what holds light back, each colour of it in its own way.
+    pub fn shadowed(self, shadow: Option<Box<dyn Shadow<S> + 'a>>, chroma: Option<Chroma>) -> Self {
         Self { shadow, chroma, ..self }
     }
 
@@ -167,18 +168,12 @@ impl<'a, S: Lanes> Surface<'a, S> {
             gradient,
             #[inline(always)]
             |light| match &self.shadow {
-                Some(shadow) => self.each_color(s, shadow.through(s, light, &sample.index, sample.lanes)),
+                Some(shadow) => {
+                    chroma::each(s, self.chroma.as_ref(), shadow.through(s, light, &sample.index, sample.lanes))
+                }
                 None => [splat(s, 1.0); 3],
             },
         )
-    }
-
-    /// What gets through of each colour where the extinction itself lets a share through: `T^f = exp(-f tau)`.
-    #[inline(always)]
-    fn each_color(&self, s: S, through: F32<S>) -> [F32<S>; 3] {
-        let Some(factors) = self.chroma else { return [through; 3] };
-        // What is not held back at all passes what lets nothing else through.
-        xyz!(C => if factors[C] == 0.0 { splat(s, 1.0) } else { power(s, through, splat(s, factors[C])) })
     }
 
     /// Lights samples, where `through` says what share of each colour of a light, by its number, arrives. Colours are

@@ -1,9 +1,10 @@
 //! Noise on the optics of samples (K-23), for all lanes: the vectors' form of
 //! [`Variation`](pellucid_optics::Variation).
 
-use pellucid_optics::Variation;
+use pellucid_optics::{Chroma, Variation};
 
-use crate::classify::{Classified, Classify, over_length};
+use crate::chroma;
+use crate::classify::{Classified, Classify};
 use crate::field::turbulence;
 use crate::lanes::*;
 use crate::samples::Sample;
@@ -26,40 +27,45 @@ impl Vary for Uniform {
 
 /// Optics that vary.
 #[derive(Clone, Copy)]
-pub struct Varied<'a>(pub &'a Variation);
+pub struct Varied<'a> {
+    /// How.
+    pub variation: &'a Variation,
+    /// How each colour is held back, if not all alike.
+    pub chroma: Option<Chroma>,
+}
 
 impl Varied<'_> {
     /// The noise at index positions, within -1 and 1.
     #[inline(always)]
     pub fn noise<S: Lanes>(&self, s: S, index: &Vec3<S>) -> [F32<S>; 4] {
-        let noise = turbulence::<S, 4>(s, self.0.turbulence(), index);
+        let noise = turbulence::<S, 4>(s, self.variation.turbulence(), index);
         rgba!(C => noise[C].max(splat(s, -1.0)).min(splat(s, 1.0)))
     }
 
     /// Factors of the extinction.
     #[inline(always)]
     fn extinction<S: Lanes>(&self, s: S, noise: &[F32<S>; 4]) -> F32<S> {
-        noise[3].mul_add(splat(s, self.0.weights[0]), splat(s, 1.0)).max(splat(s, Variation::LEAST))
+        noise[3].mul_add(splat(s, self.variation.weights[0]), splat(s, 1.0)).max(splat(s, Variation::LEAST))
     }
 
     /// Opacities of any length.
     #[inline(always)]
     pub fn opacity<S: Lanes>(&self, s: S, noise: &[F32<S>; 4], alpha: F32<S>) -> F32<S> {
-        if self.0.weights[0] == 0.0 { alpha } else { opacity_over(s, alpha, self.extinction(s, noise)) }
+        if self.variation.weights[0] == 0.0 { alpha } else { opacity_over(s, alpha, self.extinction(s, noise)) }
     }
 
     /// Associated colours and opacities of any length.
     #[inline(always)]
     pub fn associated<S: Lanes>(&self, s: S, noise: &[F32<S>; 4], rgba: [F32<S>; 4]) -> [F32<S>; 4] {
         let mut varied = rgba;
-        if self.0.weights[0] != 0.0 {
-            varied = over_length(s, varied, self.extinction(s, noise));
+        if self.variation.weights[0] != 0.0 {
+            varied = chroma::over_length(s, self.chroma.as_ref(), varied, self.extinction(s, noise));
         }
-        if self.0.weights[1] == 0.0 {
+        if self.variation.weights[1] == 0.0 {
             return varied;
         }
         let [r, g, b] = xyz!(C => {
-            let factor = noise[C].mul_add(splat(s, self.0.weights[1]), splat(s, 1.0));
+            let factor = noise[C].mul_add(splat(s, self.variation.weights[1]), splat(s, 1.0));
             (varied[C] * factor).min(varied[C].max(varied[3]))
         });
         [r, g, b, varied[3]]
@@ -68,10 +74,10 @@ impl Varied<'_> {
     /// What gets through of indirect light.
     #[inline(always)]
     pub fn transport<S: Lanes>(&self, s: S, noise: &[F32<S>; 4], through: [F32<S>; 3]) -> [F32<S>; 3] {
-        if self.0.weights[2] == 0.0 {
+        if self.variation.weights[2] == 0.0 {
             return through;
         }
-        xyz!(C => power(s, through[C], noise[C].mul_add(splat(s, self.0.weights[2]), splat(s, 1.0))))
+        xyz!(C => power(s, through[C], noise[C].mul_add(splat(s, self.variation.weights[2]), splat(s, 1.0))))
     }
 }
 

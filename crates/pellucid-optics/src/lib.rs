@@ -7,6 +7,7 @@
 //! for whole segments. Values that are not finite are absent: they have no opacity.
 
 mod bend;
+mod chroma;
 mod color;
 mod colormap;
 mod control_point;
@@ -39,6 +40,7 @@ mod turbulence;
 mod visibility;
 
 pub use bend::Bend;
+pub use chroma::Chroma;
 pub use color::{Color, ColorSpace, luminance, srgb_decode, srgb_encode, srgb8};
 pub use colormap::ColorMap;
 pub use control_point::{ColorPoint, Interpolation, NumberPoint, OpacityPoint};

@@ -28,9 +28,9 @@ pub struct Scattering {
     #[schemars(length(min = 1))]
     pub transport: Option<Vec<ColorPoint>>,
     /// Factors of the extinction for red, green and blue light, as the linear light of this colour, so that what is
-    /// thick takes on a colour that what is thin has not (K-13). Left out, all colours are lost alike. Path tracing
-    /// heeds it everywhere, and a pixel's coverage is then the mean of its colours'; shadow rays and light volumes
-    /// heed it on the way from the light.
+    /// thick takes on a colour that what is thin has not (K-13). Left out, all colours are lost alike. Path tracing,
+    /// ray casting and half-angle slicing heed it on all ways of light; a pixel's coverage is then the mean of its
+    /// colours'.
     pub extinction_color: Option<Color>,
     /// How much a sample reflects as a surface instead of scattering as a cloud (K-11). Default none.
     pub surface: SurfaceShare,

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::opacity::correct_opacity;
-use crate::{DataRange, Nodes, OpticsError, TransferFunction};
+use crate::{Chroma, DataRange, Nodes, OpticsError, TransferFunction};
 
 /// A sampled transfer function: linear RGB, not associated, and opacity per unit distance at
 /// every node (4.1-4). Between nodes it is interpolated linearly, beyond them it is constant.
@@ -90,6 +90,22 @@ impl StepTable {
             [r * alpha, g * alpha, b * alpha, alpha]
         };
         Ok(Self { nodes: table.nodes, entries: table.entries.iter().map(associate).collect() })
+    }
+
+    /// The table for steps of `ratio` unit distances through what holds each colour back in its own way; the opacity
+    /// is that of the colour that is lost least.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn chromatic(table: &Table, ratio: f32, chroma: &Chroma) -> Result<Self, OpticsError> {
+        let mut steps = Self::new(table, ratio * chroma.least)?;
+        for (step, [r, g, b, _]) in steps.entries.iter_mut().zip(&table.entries) {
+            let alpha = step[3];
+            for (channel, (color, ratio)) in [r, g, b].into_iter().zip(chroma.ratios).enumerate() {
+                step[channel] = color * correct_opacity(alpha, ratio);
+            }
+        }
+        Ok(steps)
     }
 
     /// Where the entries are.

@@ -2,6 +2,7 @@
 
 use pellucid_optics::{Albedo, DataRange, LightModel, OpticsError, ScatterTable, StepTable, Table, TransportTable};
 
+use crate::tables::steps;
 use crate::{Mode, Stage, StageVolume, Technique};
 
 /// The tables of a stage whose samples scatter light as a cloud; all are empty where they do not.
@@ -28,7 +29,7 @@ impl LightTables {
         let ratio = stage.step / volume.unit_distance();
         let albedo = (scattering.albedo != Albedo::Color).then(|| {
             let albedo = |value, entry| scattering.at(value, entry).albedo;
-            StepTable::new(&table.recolored(albedo), ratio as f32)
+            steps(&table.recolored(albedo), ratio as f32, stage.chroma(volume).as_ref())
         });
         let transport =
             stage.half_angle().map(|_| TransportTable::new(scattering, &data, ratio)).transpose()?.flatten();

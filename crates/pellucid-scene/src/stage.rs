@@ -1,7 +1,7 @@
 //! What every backend asks of a stage before it draws.
 
 use glam::DVec3;
-use pellucid_optics::{ShadowRays, Shadows};
+use pellucid_optics::{Chroma, ShadowRays, Shadows};
 
 use crate::{
     Classification, HalfAngle, Mode, PathTrace, Region, RenderWarning, Slice, Slicing, Stage, StageVolume, Technique,
@@ -49,20 +49,16 @@ impl Stage {
         (self.scatters() || volume.material.is_some()).then_some(step * smallest)
     }
 
-    /// The factors of the extinction for each colour on the way from a light to what is lit of a volume, where they
-    /// differ from 1 and shadows are of a medium (K-13).
-    pub fn shadow_chroma(&self, volume: &StageVolume) -> Option<[f32; 3]> {
-        let casts = matches!(self.technique, Technique::RayCast(_)) && self.shadows != Shadows::None;
-        let is_lit = matches!(self.mode(), Mode::Composite) && (self.scatters() || volume.material.is_some());
-        volume.scattering.extinction_factors().filter(|_| casts && is_lit)
-    }
-
-    /// The share of light below which a shadow ray is not followed to its end: where the colour that is lost least
-    /// is down to a tenth of an 8-bit step.
-    pub fn shadow_dark(&self, volume: &StageVolume) -> f32 {
-        const DARK: f32 = 1.0 / 2560.0;
-        let least = |factors: [f32; 3]| factors.into_iter().fold(1.0, f32::min);
-        self.shadow_chroma(volume).map_or(DARK, |factors| DARK.powf(1.0 / least(factors)))
+    /// How each colour of light is held back on its way to the eye and from lights, where techniques composite samples
+    /// themselves and not all colours are lost alike (K-13). Paths look at the extinction, and blending units at one
+    /// opacity.
+    pub fn chroma(&self, volume: &StageVolume) -> Option<Chroma> {
+        let composites = match self.technique {
+            Technique::RayCast(_) => *self.mode() == Mode::Composite,
+            Technique::HalfAngle(_) => true,
+            Technique::Slicing(_) | Technique::PathTrace(_) => false,
+        };
+        Chroma::of(&volume.scattering).filter(|_| composites)
     }
 
     /// How many steps of a length off the sample shadow rays begin: off surfaces, as far as the roughness of sampled
@@ -83,8 +79,8 @@ impl Stage {
             && !matches!(self.technique, Technique::PathTrace(_) | Technique::HalfAngle(_))
     }
 
-    /// What the technique draws otherwise than the scene asks for: only paths find the size of a light, and an
-    /// extinction of its own for each colour on the way to the eye.
+    /// What the technique draws otherwise than the scene asks for: only paths find the size of a light, and blending
+    /// units hold all colours back alike.
     pub fn fallbacks(&self) -> impl Iterator<Item = RenderWarning> {
         let by_paths = matches!(self.technique, Technique::PathTrace(_));
         let name = self.technique.name();
@@ -94,13 +90,18 @@ impl Stage {
         });
         let volumes = self.volumes.iter().enumerate();
         let colored = volumes.filter(|(_, volume)| volume.scattering.extinction_factors().is_some());
-        let volumes = colored.map(move |(number, volume)| {
+        let volumes = colored.filter_map(move |(number, volume)| {
             let setting = format!("volumes[{number}].scattering.extinction_color");
-            match self.shadow_chroma(volume) {
-                Some(_) => {
-                    format!("{name} draws {setting} in shadows alone: towards the eye all colours are lost alike")
+            match self.chroma(volume) {
+                None => Some(format!("{setting} is not drawn by {name}: all colours are lost alike")),
+                Some(_)
+                    if self.half_angle().is_none() && self.quality.classification == Classification::PreIntegrated =>
+                {
+                    Some(format!(
+                        "{setting} is drawn with post-classification, as integrals hold all colours back alike"
+                    ))
                 }
-                None => format!("{setting} is not drawn by {name}: all colours are lost alike"),
+                Some(_) => None,
             }
         });
         lights.chain(volumes).filter(move |_| !by_paths).map(|reason| RenderWarning::Fallback { reason })

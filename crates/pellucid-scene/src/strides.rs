@@ -1,7 +1,9 @@
 //! Longer steps where nothing is missed: the importance of every block (7.3-3, 7.3-4).
 
 use pellucid_field::{Blocks, distances};
-use pellucid_optics::{Bend, OpticsError, StepTable, Table};
+use pellucid_optics::{Bend, Chroma, OpticsError, StepTable, Table};
+
+use crate::tables::steps;
 
 /// How many samples rays take between two looks at the blocks: asking at every border costs more than
 /// the samples it saves.
@@ -50,6 +52,6 @@ pub(crate) fn levels(
 }
 
 /// The tables of all strides: a sample of level l looks at the l-th.
-pub(crate) fn tables(table: &Table, ratio: f32) -> Result<Vec<StepTable>, OpticsError> {
-    (0..LEVELS).map(|level| StepTable::new(table, ratio * (1 << level) as f32)).collect()
+pub(crate) fn tables(table: &Table, ratio: f32, chroma: Option<&Chroma>) -> Result<Vec<StepTable>, OpticsError> {
+    (0..LEVELS).map(|level| steps(table, ratio * (1 << level) as f32, chroma)).collect()
 }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use pellucid_field::{Blocks, FieldError, Filter, Noise, Volume, spline_coefficients};
 use pellucid_optics::{
-    DataRange, Displacer, OpticsError, Perturbation, PreIntegration, Scattering, StepTable, Table, TransferFunction,
-    Variation, Visibility,
+    Chroma, DataRange, Displacer, OpticsError, Perturbation, PreIntegration, Scattering, StepTable, Table,
+    TransferFunction, Variation, Visibility,
 };
 
 use crate::blocks::{BlockContent, BlockMap};
@@ -63,6 +63,8 @@ struct Settings {
     classifies_voxels: bool,
     /// How light is scattered, if it is, and whether it travels from slab to slab.
     scattering: Option<(Scattering, bool)>,
+    /// How each colour is held back, if not all alike.
+    chroma: Option<Chroma>,
     perturbation: Perturbation,
 }
 
@@ -102,6 +104,7 @@ impl TableCache {
             mode: stage.mode().clone(),
             classifies_voxels: stage.classifies_voxels(),
             scattering: stage.scatters().then(|| (volume.scattering.clone(), stage.half_angle().is_some())),
+            chroma: stage.chroma(volume),
             perturbation: volume.perturbation.clone(),
         };
         match &self.tables {
@@ -214,12 +217,14 @@ impl Tables {
         let range = DataRange::of(&volume.volume);
         let ratio = stage.step / volume.unit_distance();
         let table = Table::for_data(tf, &range)?;
-        let step_table = StepTable::new(&table, ratio as f32)?;
+        let chroma = stage.chroma(volume);
+        let step_table = steps(&table, ratio as f32, chroma.as_ref())?;
         let light = LightTables::new(stage, volume, &table)?;
         let composited = matches!(stage.mode(), Mode::Composite);
-        let preintegration = (composited && quality.classification == Classification::PreIntegrated)
-            .then(|| PreIntegration::for_data(tf, &range, ratio))
-            .transpose()?;
+        let preintegration =
+            (composited && quality.classification == Classification::PreIntegrated && chroma.is_none())
+                .then(|| PreIntegration::for_data(tf, &range, ratio))
+                .transpose()?;
         let visibility = match &preintegration {
             Some(segments) => Visibility::of_segments(tf, segments.nodes()),
             None => Visibility::of_table(&table),
@@ -255,7 +260,7 @@ impl Tables {
             let shortest = volume.volume.grid().spacing().into_iter().fold(f64::INFINITY, f64::min);
             let step = stage.step / shortest;
             blocks.levels = Some(strides::levels(ranges, &step_table, visible, quality.adaptive_tolerance, step));
-            let tables = strides::tables(&table, ratio as f32)?;
+            let tables = strides::tables(&table, ratio as f32, chroma.as_ref())?;
             stride_entries = Some(tables.iter().flat_map(StepTable::entries).copied().collect());
         }
         Ok(Self {
@@ -272,6 +277,14 @@ impl Tables {
             displacer,
             variation,
         })
+    }
+}
+
+/// Associated colours of steps of so many unit distances.
+pub(crate) fn steps(table: &Table, ratio: f32, chroma: Option<&Chroma>) -> Result<StepTable, OpticsError> {
+    match chroma {
+        Some(chroma) => StepTable::chromatic(table, ratio, chroma),
+        None => StepTable::new(table, ratio),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Light on its way through a slab: attenuated, and what is scattered forward spread over a cone
 //! (Eq. 6.6, 6.7, K-06, K-09).
 
+use pellucid_optics::Chroma;
 use pellucid_scene::InScatter;
 use pellucid_scene::half_angle::LightFrame;
 
@@ -20,6 +21,8 @@ pub struct Step<'a, S> {
     pub offsets: &'a [[f32; 2]],
     /// Radius of the blur.
     pub radius: Radius<'a>,
+    /// How each colour of direct light is held back, if not all alike.
+    pub chroma: Option<Chroma>,
     /// What becomes indirect light.
     pub in_scatter: InScatter,
     /// Weights of direct light that is scattered into the cone.

@@ -58,9 +58,14 @@ impl<'a, S: Lanes> Blur<'a, S> {
             return;
         }
         for (lost, opacity) in to.chunks_exact_mut(MOST_CHANNELS).zip(opacity.chunks_exact(MOST_CHANNELS)) {
-            let direct = 1.0 - lost[0];
-            for channel in 1..MOST_CHANNELS {
-                lost[channel] -= (opacity[0] - opacity[channel]).max(0.0) * self.step.phase[channel - 1] * direct;
+            // Of each colour, what is left of direct light and what of it gets through.
+            let [direct, through] = [1.0 - lost[0], 1.0 - opacity[0]].map(|left| match self.step.chroma {
+                None => [left; 3],
+                Some(chroma) => chroma.each(left),
+            });
+            for channel in 0..3 {
+                let scattered = (1.0 - through[channel] - opacity[channel + 1]).max(0.0);
+                lost[channel + 1] -= scattered * self.step.phase[channel] * direct[channel];
             }
         }
     }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use glam::DVec3;
+use pellucid_optics::Chroma;
 use pellucid_scene::half_angle::{LightFrame, Slabs, Ways};
 use pellucid_scene::{LightCorrection, Stage};
 
@@ -10,7 +11,8 @@ use super::buffer::{Light, LightBuffer};
 use super::crossing::{Crossing, Crossings, Passage, UNASKED};
 use super::frame::Project;
 use super::transport;
-use crate::classify::{Lookup, over_length};
+use crate::chroma;
+use crate::classify::Lookup;
 use crate::field::Field;
 use crate::integrator::{Found, Tally};
 use crate::lanes::*;
@@ -91,6 +93,8 @@ pub struct Eye<'a, S: Lanes, F> {
     pub half_transport: Option<Lookup<'a>>,
     /// How long that is, in steps.
     pub half: f32,
+    /// How each colour is held back, if not all alike.
+    pub chroma: Option<Chroma>,
     /// How samples answer the light.
     pub surface: Surface<'a, S>,
     /// Where they are in the light's picture.
@@ -160,10 +164,10 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
                 };
                 tally.visible += count::<S>(visible);
                 // In front of what is there (over), or behind it (under).
-                let (one, zero) = (splat(s, 1.0), splat(s, 0.0));
-                let new = visible.select(backward.select(one, one - color[3]), zero);
-                let old = (visible & backward).select(one - rgba[3], one);
-                color = rgba!(C => new.mul_add(rgba[C], old * color[C]));
+                let front = rgba!(C => backward.select(rgba[C], color[C]));
+                let behind = rgba!(C => backward.select(color[C], rgba[C]));
+                let both = chroma::over(s, self.chroma.as_ref(), front, behind);
+                color = rgba!(C => visible.select(both[C], color[C]));
                 let here = color[3].simd_ge(splat(s, 0.5)) & half.simd_eq(splat(s, f32::INFINITY));
                 half = here.select(passage.place, half);
             }
@@ -208,7 +212,7 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
         if let Some((varied, noise)) = &noise {
             one_step = varied.associated(s, noise, one_step);
         }
-        let rgba = over_length(s, one_step, ratio);
+        let rgba = chroma::over_length(s, self.chroma.as_ref(), one_step, ratio);
         let indirect = match &self.half_transport {
             Some(table) if light.channels() > 1 => {
                 let through = transport::through(s, table, value, splat(s, 1.0));
@@ -220,7 +224,8 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
             _ => None,
         };
         let arriving = self.arriving(light, &index, place - k as f32, one_step[3], indirect, k);
-        let direct = arriving.direct * self.scales[0];
+        let direct = chroma::each(s, self.chroma.as_ref(), arriving.direct);
+        let direct = xyz!(C => direct[C] * self.scales[0]);
         let sample = Unlit { rgba, value, index, lanes: visible };
         let mut lit = self.surface.shade_through(
             s,
@@ -229,7 +234,7 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
             #[inline(always)]
             || self.field.gradients(s, index, visible),
             #[inline(always)]
-            |_| [direct; 3],
+            |_| direct,
         );
         if let Some(indirect) = arriving.indirect {
             let radiance = self.surface.radiance(s, &index, visible);
@@ -278,7 +283,10 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
         let left = part_through(s, one - alpha, inside);
         let indirect = match (indirect, through) {
             (None, _) => None,
-            (Some(light), None) => Some(xyz!(C => light[C] * left)),
+            (Some(light), None) => {
+                let left = chroma::each(s, self.chroma.as_ref(), left);
+                Some(xyz!(C => light[C] * left[C]))
+            }
             (Some(light), Some(through)) => Some(xyz!(C => light[C] * transport::over(s, through[C], halves))),
         };
         Light { direct: direct * left, indirect }
@@ -293,9 +301,9 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
         mut each: impl FnMut(usize, Found),
     ) {
         let s = self.s;
-        let (index, met, normal) = s.vectorize(
+        let ((index, met, normal), alpha) = s.vectorize(
             #[inline(always)]
-            || self.half(packet),
+            || (self.half(packet), chroma::coverage(s, self.chroma.as_ref(), load(s, &packet.color[3]))),
         );
         let bits = met.to_bitmask();
         for lane in packet.crossing.lanes() {
@@ -306,7 +314,7 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
                 (stage.viewpoint.eye - world).dot(to_eye) as f32
             };
             let found = Found {
-                color: packet.color.map(|lanes| lanes[lane]),
+                color: [packet.color[0][lane], packet.color[1][lane], packet.color[2][lane], alpha[lane]],
                 depth: if is_met { depth() } else { f32::INFINITY },
                 normal: if is_met { [0, 1, 2].map(|axis| normal[axis][lane]) } else { [0.0; 3] },
                 samples: packet.samples[lane] as u32,

@@ -11,6 +11,7 @@ use crate::prepare::Prepared;
 pub struct Lengths {
     /// The length in steps.
     pub steps: f32,
+    /// Of the colour that is lost least.
     opacity: StepTable,
     /// Of the whole length and of half of it, if indirect light is attenuated in its own way.
     transport: Option<[TransportTable; 2]>,
@@ -28,13 +29,14 @@ impl Lengths {
         };
         let (volume, tables) = (prepared.volume, &prepared.tables);
         let ratio = f64::from(steps) * prepared.stage.step / volume.unit_distance();
+        let least = prepared.stage.chroma(volume).map_or(1.0, |chroma| chroma.least);
         let data = DataRange::of(&volume.volume);
         let transport = |share: f64| TransportTable::new(&volume.scattering, &data, ratio * share);
         let transport = match tables.light.transport {
             Some(_) => transport(1.0)?.zip(transport(0.5)?).map(<[TransportTable; 2]>::from),
             None => None,
         };
-        Ok(Self { steps, opacity: StepTable::new(&tables.table, ratio as f32)?, transport })
+        Ok(Self { steps, opacity: StepTable::new(&tables.table, ratio as f32 * least)?, transport })
     }
 
     /// Opacities over the length.

@@ -2,10 +2,12 @@
 
 use std::ops::Range;
 
+use pellucid_optics::Chroma;
 use pellucid_scene::half_angle::Slabs;
 
 use super::crossing::{Crossing, Crossings, Passage, UNASKED};
 use super::transport;
+use crate::chroma;
 use crate::classify::Lookup;
 use crate::field::Field;
 use crate::lanes::{self, *};
@@ -113,6 +115,8 @@ pub struct Matter<'a, S, F> {
     pub steps: f32,
     /// Opacities over that length.
     pub table: Lookup<'a>,
+    /// How each colour is held back, if not all alike: opacities are of the one that is lost least.
+    pub chroma: Option<Chroma>,
     /// What gets through of indirect light, if that is something else.
     pub transport: Option<Lookup<'a>>,
     /// Blocks that can contribute, if empty space is skipped.
@@ -205,7 +209,8 @@ impl<S: Lanes, F: Field<S>> Matter<'_, S, F> {
             alpha.store_slice(to);
             return true;
         }
-        let mut opacities = [alpha; 4];
+        let [red, green, blue] = chroma::opacities(s, self.chroma.as_ref(), alpha);
+        let mut opacities = [alpha, red, green, blue];
         if let Some(table) = &self.transport {
             let mut through = transport::through(s, table, value, ratio);
             if let Some((varied, noise)) = &noise {

@@ -158,6 +158,7 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
             number,
             offsets: &offsets,
             radius: self.radius,
+            chroma: matter.chroma,
             in_scatter: settings.in_scatter,
             phase: self.phase,
             presence: presence.as_deref(),

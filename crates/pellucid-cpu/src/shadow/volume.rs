@@ -83,6 +83,7 @@ fn sweep<S: Lanes>(
         field: &field,
         steps: lengths.steps,
         table: lengths.opacity(),
+        chroma: None,
         transport: None,
         skip: prepared.grids.skip.as_ref(),
         varied: prepared.varied(),
