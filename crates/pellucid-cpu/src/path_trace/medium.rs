@@ -153,9 +153,10 @@ impl<F: Values> Medium<'_, F> {
             if most > 0.0 {
                 let (minorant, exit) = (if RESIDUAL { least } else { 0.0 }, walk.exit());
                 let (rate, entry) = (most - minorant, distance);
-                while rate > 0.0 {
+                loop {
+                    // Where nothing is left but the minorant, that is infinite, or no number.
                     let next = distance + depth / rate;
-                    if next >= exit {
+                    if next.is_nan() || next >= exit {
                         depth -= rate * (exit - distance).max(0.0);
                         break;
                     }
