@@ -149,7 +149,9 @@ impl<'a> Bindings<'a> {
         let Uploads { entries, scattering, .. } = self.uploads;
         let mut bound = vec![BindGroupEntry { binding: 0, resource: entries.as_entire_binding() }];
         if variant.has_scattering() {
-            bound.push(BindGroupEntry { binding: 1, resource: scattering.as_entire_binding() });
+            let [header, tables] = scattering;
+            bound.push(BindGroupEntry { binding: 1, resource: header.as_entire_binding() });
+            bound.push(BindGroupEntry { binding: 2, resource: tables.as_entire_binding() });
         }
         self.device.device.create_bind_group(&BindGroupDescriptor { label: Some("tables"), layout, entries: &bound })
     }

@@ -304,7 +304,7 @@ mod tests {
         assert_eq!(layout(&sliced, "Box"), fields!(SliceBox: low high));
         assert_eq!(layout(&pixels.link(Constants::Uniform).unwrap(), "Pixel"), fields!(Pixel: color surface counts));
         let sweep = fields!(Sweep: slabs texel_x texel_y depth origin_middle origin_right origin_up direction_middle
-            direction_right direction_up plane ways blur scales cone size counts);
+            direction_right direction_up plane ways blur scales cone taps size counts light);
         let eye = Variant::of(shaders::Pass::HalfAngleEye).canonical().link(Constants::Uniform).unwrap();
         assert_eq!(layout(&eye, "Sweep"), sweep);
         let paths = fields!(Paths: counts more numbers top bottom index_x index_y index_z lens_right lens_up);

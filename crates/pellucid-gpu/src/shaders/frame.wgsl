@@ -62,6 +62,12 @@ struct Pass {
     core_high: vec4<u32>,
 }
 
+#ifdef LOADED_CONSTANTS
+@group(0) @binding(0) var<storage, read> stored_frame: Frame;
+@group(0) @binding(1) var<storage, read> stored_bounds: Pass;
+var<private> frame: Frame;
+var<private> bounds: Pass;
+#else
 #ifdef STORED_CONSTANTS
 @group(0) @binding(0) var<storage, read> frame: Frame;
 @group(0) @binding(1) var<storage, read> bounds: Pass;
@@ -69,6 +75,16 @@ struct Pass {
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> bounds: Pass;
 #endif
+#endif
+
+// Reads constants before anything branches: behind a branch, Mesa's software driver reads them once for every lane,
+// each time they are needed.
+fn load_frame() {
+#ifdef LOADED_CONSTANTS
+    frame = stored_frame;
+    bounds = stored_bounds;
+#endif
+}
 
 // A position in voxels in the world.
 fn world_of(p: vec3<f32>) -> vec3<f32> {

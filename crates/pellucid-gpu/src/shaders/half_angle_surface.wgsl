@@ -5,11 +5,12 @@
 #import pellucid::eye::eye_crossing
 #import pellucid::slab::matter_of
 #import pellucid::surface::add_normal
-#import pellucid::sweep::{passage_of, sweep}
+#import pellucid::sweep::{load_sweep, passage_of, sweep}
 #import pellucid::table::opacity_over
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    load_sweep();
     var turn = turn_of(id.xy);
     if !turn.open {
         return;
