@@ -81,6 +81,20 @@ impl<'a> Optics<'a> {
     }
 }
 
+impl<'a> Optics<'a> {
+    /// What light meets on its way through a volume, however that is drawn.
+    pub fn of_light(stage: &Stage, volume: &'a StageVolume, tables: &'a Tables) -> Self {
+        let steps = tables.scattered_steps();
+        Self {
+            pass: Pass::Composite,
+            entries: Cow::Borrowed(steps.entries()),
+            bleeds: false,
+            nodes: *steps.nodes(),
+            ..Self::new(stage, volume, tables)
+        }
+    }
+}
+
 impl Optics<'_> {
     /// Bytes of the tables on the device.
     pub fn table_bytes(&self) -> u64 {

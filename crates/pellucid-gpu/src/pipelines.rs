@@ -155,6 +155,14 @@ fn frame_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
         (Pass::PathTrace, _) => types.extend([(5, write), (19, uniform), (20, read)]),
         (Pass::PathTracePixels, _) => types.extend([(5, write), (7, write)]),
         (Pass::HalfAngleEye, _) => types.extend([(5, write), (17, uniform), (18, layers)]),
+        (Pass::LightPoints, _) => {
+            let points = BindingType::StorageTexture {
+                access: StorageTextureAccess::WriteOnly,
+                format: TextureFormat::R32Float,
+                view_dimension: TextureViewDimension::D3,
+            };
+            types.extend([(17, uniform), (18, layers), (23, points)]);
+        }
         (Pass::HalfAngleSurface, _) => types.extend([(5, write), (17, uniform)]),
         _ => types.push((5, write)),
     }
@@ -189,6 +197,9 @@ fn volume_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
     }
     if variant.perturbed {
         types.extend([(5, texture(TextureSampleType::Float { filterable: false })), (6, constants(device, None))]);
+    }
+    if variant.shadowed {
+        types.push((7, texture(TextureSampleType::Float { filterable: false })));
     }
     if variant.has_voxels() {
         types.push((4, texture(TextureSampleType::Float { filterable: false })));

@@ -193,6 +193,11 @@ impl Frame {
         self.counts[3] = u32::from(material.two_sided);
     }
 
+    /// How many points a light volume has across its last axis.
+    pub fn set_light_points(&mut self, depth: usize) {
+        self.shadows[3] = depth as f32;
+    }
+
     /// Which part of the picture is drawn.
     pub fn set_window(&mut self, window: &Window) {
         (self.size[0], self.size[1]) = (window.size[0], window.low[0]);

@@ -1,7 +1,7 @@
 //! What every backend asks of a stage before it draws.
 
 use glam::DVec3;
-use pellucid_optics::{ShadowRays, Shadows};
+use pellucid_optics::{ShadowRays, ShadowVolume, Shadows};
 
 use crate::{
     Classification, HalfAngle, Mode, PathTrace, Region, RenderWarning, Slice, Slicing, Stage, StageVolume, Technique,
@@ -47,6 +47,16 @@ impl Stage {
             _ => return None,
         };
         (self.scatters() || volume.material.is_some()).then_some(step * smallest)
+    }
+
+    /// Points of a light volume for each voxel and axis, if what is lit of a volume asks for one.
+    pub fn light_resolution(&self, volume: &StageVolume) -> Option<f64> {
+        match (&self.technique, self.mode(), self.shadows) {
+            (Technique::RayCast(_), Mode::Composite, Shadows::Volume(ShadowVolume { resolution })) => {
+                (self.scatters() || volume.material.is_some()).then_some(resolution)
+            }
+            _ => None,
+        }
     }
 
     /// How many steps of a length off the sample shadow rays begin: off surfaces, as far as the roughness of sampled

@@ -120,6 +120,14 @@ pub fn bytes(settings: &HalfAngle) -> u64 {
     Layers::bytes([size; 2], run_length((size as usize).pow(2)) + 1)
 }
 
+/// How light is interpolated: as the volume is.
+pub fn interpolation(device: &Device, drawing: Drawing) -> Interpolation {
+    match drawing.interpolation {
+        Interpolation::Hardware if device.capabilities.has(Features::FLOAT32_FILTERABLE) => Interpolation::Hardware,
+        _ => Interpolation::Exact,
+    }
+}
+
 /// Slabs in a run for pictures of so many texels; no picture depends on it.
 fn run_length(texels: usize) -> u32 {
     ((MOST_TEXELS / texels.max(1)) as u32).clamp(1, MOST_RUN)
@@ -141,11 +149,7 @@ impl<'a> HalfAngleSlicer<'a> {
         let found = lights(stage, settings)?;
         let (material, ambient) = material(stage, volume, settings, found.len());
         let alter = |frame: &mut uniforms::Frame| frame.set_material(&material, ambient);
-        // Light is interpolated as the volume is.
-        let interpolation = match drawing.interpolation {
-            Interpolation::Hardware if device.capabilities.has(Features::FLOAT32_FILTERABLE) => Interpolation::Hardware,
-            _ => Interpolation::Exact,
-        };
+        let interpolation = interpolation(device, drawing);
         let bindings = Bindings::new(device, resident, (stage, volume), (optics, uploads), interpolation, alter);
         let variant = |pass| {
             let is_indirect = settings.indirect > 0.0;

@@ -37,7 +37,8 @@ struct Frame {
     // A slice: normal in voxels and offset; its world normal.
     plane: vec4<f32>,
     plane_normal: vec4<f32>,
-    // A step of a shadow ray in world lengths and in steps of rays; how many of them off the sample it begins.
+    // A step of a shadow ray in world lengths and in steps of rays; how many of them off the sample it begins; points
+    // of a light volume across its last axis, 0 for rays.
     shadows: vec4<f32>,
     // Columns that are drawn, the first of them, rays per pixel and axis, 1 for a perspective.
     size: vec4<u32>,

@@ -10,7 +10,7 @@
 #import pellucid::skip::clear_steps
 #endif
 #import pellucid::surface::gradient_of_surface
-#import pellucid::sweep::{in_picture, load_sweep, loss, on_plane, passage_of, sweep, Crossing, Passage}
+#import pellucid::sweep::{in_picture, layer_of, load_sweep, loss, on_plane, passage_of, sweep, Crossing, Passage}
 #import pellucid::table::{opacity_over, over, over_length}
 #import pellucid::scatter::load_scattering
 #ifdef TRANSPORT
@@ -43,12 +43,6 @@ fn leap(crossing: Crossing, inverse: vec3<f32>, first: u32, end: u32) -> u32 {
     }
 #endif
     return min(slab, end);
-}
-
-// The layer of light in front of a slab.
-fn layer_of(slab: u32) -> u32 {
-    let layer = bounds.core_low.w + slab - bounds.core_low.x;
-    return select(layer, layer - bounds.core_low.z, layer >= bounds.core_low.z);
 }
 
 // What is seen of the light that has come to a sample, and its opacity.

@@ -4,6 +4,7 @@
 
 #import pellucid::frame::{frame, world_of}
 #ifdef SHADOWED
+#import pellucid::light_volume::left_in_volume
 #import pellucid::shadow::left_of_light
 #endif
 #ifdef SCATTERED
@@ -161,7 +162,11 @@ fn lit(rgba: vec4<f32>, value: f32, p: vec3<f32>, gradient: vec3<f32>, to_eye: v
     for (var i = 0u; i < frame.counts.x; i += 1u) {
         var left = 1.0;
 #ifdef SHADOWED
-        left = left_of_light(lights[i].place, p);
+        if frame.shadows.w == 0.0 {
+            left = left_of_light(lights[i].place, p);
+        } else {
+            left = left_in_volume(i, p);
+        }
 #endif
         add_light(&sample, lights[i], p, left);
     }
