@@ -5,11 +5,11 @@ use pellucid_field::{Filter, Gradient};
 use pellucid_scene::{Stage, StageVolume};
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindingResource, Buffer, FilterMode, Sampler,
-    SamplerDescriptor, TextureView,
+    SamplerDescriptor, TextureFormat, TextureView,
 };
 
-use crate::Device;
 use crate::kernels::Kernels;
+use crate::light_volume::LightVolumes;
 use crate::optics::{Optics, lights};
 use crate::passes::PassBuffer;
 use crate::renderer::Interpolation;
@@ -18,6 +18,7 @@ use crate::shaders::Variant;
 use crate::uniforms::{self, Frame, Light};
 use crate::uploads::{Uploads, storage};
 use crate::window::Window;
+use crate::{Device, texture};
 
 /// The buffers of a frame: those that every technique reads.
 pub struct Bindings<'a> {
@@ -32,6 +33,8 @@ pub struct Bindings<'a> {
     kernels: Option<Buffer>,
     /// If the texture unit interpolates.
     sampler: Option<Sampler>,
+    /// What is left of lights where samples may be in shadow; a single point where rays are cast.
+    points: Option<TextureView>,
     /// Frame, planes, lights.
     parts: [Buffer; 3],
 }
@@ -89,8 +92,18 @@ impl<'a> Bindings<'a> {
             most_looks: kernels.as_ref().map_or(u32::MAX, Kernels::most_looks),
             kernels: kernels.map(|kernels| device.constant_buffer("kernels", cast_slice(&kernels.to_fours()))),
             sampler: variant.canonical().hardware.then(|| sampler(device)),
+            points: variant.shadowed.then(|| one_point(device)),
             parts,
         }
+    }
+
+    /// The same with shadows that light volumes tell of, if there are some; the frame's numbers must say so, too.
+    pub fn with_light(mut self, light: Option<&LightVolumes>) -> Self {
+        if let Some(light) = light {
+            self.variant.shadowed = true;
+            self.points = Some(light.points.clone());
+        }
+        self
     }
 
     /// Whether the filter is not linear, or the gradient not of central differences.
@@ -133,6 +146,9 @@ impl<'a> Bindings<'a> {
             entries.push(BindGroupEntry { binding: 5, resource: BindingResource::TextureView(&noise.texels) });
             entries.push(BindGroupEntry { binding: 6, resource: noise.numbers.as_entire_binding() });
         }
+        if let Some(points) = &self.points {
+            entries.push(BindGroupEntry { binding: 7, resource: BindingResource::TextureView(points) });
+        }
         if self.variant.has_voxels() {
             entries.push(BindGroupEntry { binding: 4, resource: BindingResource::TextureView(voxels) });
         }
@@ -149,10 +165,17 @@ impl<'a> Bindings<'a> {
         let Uploads { entries, scattering, .. } = self.uploads;
         let mut bound = vec![BindGroupEntry { binding: 0, resource: entries.as_entire_binding() }];
         if variant.has_scattering() {
-            bound.push(BindGroupEntry { binding: 1, resource: scattering.as_entire_binding() });
+            let [header, tables] = scattering;
+            bound.push(BindGroupEntry { binding: 1, resource: header.as_entire_binding() });
+            bound.push(BindGroupEntry { binding: 2, resource: tables.as_entire_binding() });
         }
         self.device.device.create_bind_group(&BindGroupDescriptor { label: Some("tables"), layout, entries: &bound })
     }
+}
+
+fn one_point(device: &Device) -> TextureView {
+    let point = texture::of_bytes(device, "light volume", TextureFormat::R32Float, [1; 3], bytes_of(&1.0f32));
+    point.create_view(&Default::default())
 }
 
 fn sampler(device: &Device) -> Sampler {

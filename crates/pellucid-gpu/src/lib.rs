@@ -12,6 +12,7 @@ mod dispatch;
 mod error;
 mod half_angle;
 mod kernels;
+mod light_volume;
 mod noise;
 mod optics;
 mod pace;

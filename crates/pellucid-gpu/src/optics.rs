@@ -81,6 +81,20 @@ impl<'a> Optics<'a> {
     }
 }
 
+impl<'a> Optics<'a> {
+    /// What light meets on its way through a volume, however that is drawn.
+    pub fn of_light(stage: &Stage, volume: &'a StageVolume, tables: &'a Tables) -> Self {
+        let steps = tables.scattered_steps();
+        Self {
+            pass: Pass::Composite,
+            entries: Cow::Borrowed(steps.entries()),
+            bleeds: false,
+            nodes: *steps.nodes(),
+            ..Self::new(stage, volume, tables)
+        }
+    }
+}
+
 impl Optics<'_> {
     /// Bytes of the tables on the device.
     pub fn table_bytes(&self) -> u64 {
@@ -132,7 +146,8 @@ fn pass_of(stage: &Stage) -> (Pass, bool) {
         Mode::Composite => match stage.quality.classification {
             Classification::Post => (Pass::Composite, false),
             Classification::Pre => (Pass::CompositePre, false),
-            Classification::PreIntegrated => (Pass::PreIntegrated, false),
+            Classification::PreIntegrated if stage.integrates_segments() => (Pass::PreIntegrated, false),
+            Classification::PreIntegrated => (Pass::Composite, false),
         },
         Mode::Maximum => (Pass::Maximum, false),
         Mode::Minimum => (Pass::Minimum, false),

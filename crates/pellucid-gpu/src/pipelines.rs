@@ -8,7 +8,8 @@ use std::num::NonZeroU64;
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BufferBindingType, ComputePipeline,
     ComputePipelineDescriptor, PipelineLayout, PipelineLayoutDescriptor, SamplerBindingType, ShaderModule,
-    ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureSampleType, TextureViewDimension,
+    ShaderModuleDescriptor, ShaderSource, ShaderStages, StorageTextureAccess, TextureFormat, TextureSampleType,
+    TextureViewDimension,
 };
 
 use crate::shaders::{Constants, Pass, Traversal, Variant};
@@ -121,28 +122,48 @@ fn constants(device: &Device, dynamic: Option<u64>) -> BindingType {
     buffer(ty, dynamic)
 }
 
+/// A 2D texture of floats, or layers of them.
+fn flat(filterable: bool, view_dimension: TextureViewDimension) -> BindingType {
+    BindingType::Texture { sample_type: TextureSampleType::Float { filterable }, view_dimension, multisampled: false }
+}
+
 fn frame_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
     let read = buffer(BufferBindingType::Storage { read_only: true }, None);
     let write = buffer(BufferBindingType::Storage { read_only: false }, None);
     let pass = size_of::<uniforms::Pass>() as u64;
     let uniform = constants(device, None);
-    let blended = BindingType::Texture {
-        sample_type: TextureSampleType::Float { filterable: false },
+    let picture = flat(false, TextureViewDimension::D2);
+    let stored = |format| BindingType::StorageTexture {
+        access: StorageTextureAccess::WriteOnly,
+        format,
         view_dimension: TextureViewDimension::D2,
-        multisampled: false,
     };
+    let layers = flat(variant.hardware, TextureViewDimension::D2Array);
     let mut types = vec![(0, uniform), (1, constants(device, Some(pass))), (2, read), (3, read), (4, read), (6, read)];
     match (variant.pass, variant.traversal) {
-        (Pass::SliceDone, _) => types.extend([(9, uniform), (13, blended)]),
-        (Pass::SliceTiles, _) => types.extend([(13, blended), (15, write)]),
+        (Pass::SliceDone, _) => types.extend([(9, uniform), (13, picture)]),
+        (Pass::SliceTiles, _) => types.extend([(13, picture), (15, write)]),
         (Pass::SliceOcclusion, _) => types.extend([(9, uniform), (10, read), (15, write), (16, write)]),
         (_, Traversal::Slices) => types.extend([(9, uniform), (10, read), (11, read), (12, read)]),
-        (_, Traversal::SlicePixels) => types.extend([(7, write), (9, uniform), (13, blended), (14, blended)]),
+        (_, Traversal::SlicePixels) => types.extend([(7, write), (9, uniform), (13, picture), (14, picture)]),
         (Pass::Resolve, _) => types.extend([(5, write), (7, write)]),
-        (Pass::HalfAngleLight | Pass::HalfAnglePresence, _) => types.extend([(17, uniform), (18, write)]),
+        (Pass::HalfAngleLight, _) => {
+            types.extend([(17, uniform), (18, layers), (21, stored(TextureFormat::Rgba32Float))]);
+            types.extend(variant.gated.then_some((22, picture)));
+        }
+        (Pass::HalfAnglePresence, _) => types.extend([(17, uniform), (22, stored(TextureFormat::R32Float))]),
         (Pass::PathTrace, _) => types.extend([(5, write), (19, uniform), (20, read)]),
         (Pass::PathTracePixels, _) => types.extend([(5, write), (7, write)]),
-        (Pass::HalfAngleEye | Pass::HalfAngleSurface, _) => types.extend([(5, write), (17, uniform), (18, write)]),
+        (Pass::HalfAngleEye, _) => types.extend([(5, write), (17, uniform), (18, layers)]),
+        (Pass::LightPoints, _) => {
+            let points = BindingType::StorageTexture {
+                access: StorageTextureAccess::WriteOnly,
+                format: TextureFormat::R32Float,
+                view_dimension: TextureViewDimension::D3,
+            };
+            types.extend([(17, uniform), (18, layers), (23, points)]);
+        }
+        (Pass::HalfAngleSurface, _) => types.extend([(5, write), (17, uniform)]),
         _ => types.push((5, write)),
     }
     if variant.wavefront {
@@ -177,6 +198,9 @@ fn volume_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
     if variant.perturbed {
         types.extend([(5, texture(TextureSampleType::Float { filterable: false })), (6, constants(device, None))]);
     }
+    if variant.shadowed {
+        types.push((7, texture(TextureSampleType::Float { filterable: false })));
+    }
     if variant.has_voxels() {
         types.push((4, texture(TextureSampleType::Float { filterable: false })));
     }
@@ -187,7 +211,7 @@ fn table_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
     let read = buffer(BufferBindingType::Storage { read_only: true }, None);
     let mut types = vec![(0, read)];
     if variant.has_scattering() {
-        types.push((1, read));
+        types.extend([(1, constants(device, None)), (2, read)]);
     }
     layout(device, variant, "tables", &types)
 }

@@ -8,6 +8,7 @@ use wgpu::{BindGroup, CommandEncoder, CommandEncoderDescriptor, TextureView};
 use crate::bindings::Bindings;
 use crate::bricks::{self, Brick};
 use crate::dispatch::dispatch;
+use crate::light_volume::LightVolumes;
 use crate::optics::Optics;
 use crate::pace::Pace;
 use crate::passes::PassBuffer;
@@ -57,10 +58,12 @@ impl<'a> RayCaster<'a> {
         resident: &'a mut Resident,
         (stage, volume): (&'a Stage, &StageVolume),
         (optics, uploads): (&Optics, &'a Uploads),
-        drawing: Drawing,
+        (drawing, light): (Drawing, Option<&LightVolumes>),
     ) -> Result<Self, GpuError> {
+        let alter = |frame: &mut uniforms::Frame| frame.set_light_points(light.map_or(0, |light| light.depth));
         let mut bindings =
-            Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, |_| ());
+            Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter)
+                .with_light(light);
         bindings.variant = Variant {
             skip: optics.blocks.is_some(),
             // The many rounds of wide kernels are for several passes.

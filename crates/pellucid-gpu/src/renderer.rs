@@ -13,6 +13,7 @@ use pellucid_scene::{
 use crate::bricks::{self, Brick};
 use crate::device::Device;
 use crate::half_angle::{self, HalfAngleSlicer};
+use crate::light_volume::{self, LightVolumes};
 use crate::optics::Optics;
 use crate::path_trace::PathTracer;
 use crate::pipelines::Pipelines;
@@ -74,6 +75,7 @@ pub struct GpuRenderer {
     tables: TableCache,
     uploads: Option<Uploads>,
     resident: Option<Resident>,
+    light: Option<LightVolumes>,
     reused: Reused,
     /// Most bytes to use: the device's, or less once it had no more.
     budget: u64,
@@ -102,6 +104,7 @@ impl GpuRenderer {
             draw_pipelines: DrawPipelines::default(),
             uploads: None,
             resident: None,
+            light: None,
             next: Frame::default(),
         }
     }
@@ -118,8 +121,7 @@ impl GpuRenderer {
         // Slices do not look towards the light.
         let shadows = match (&stage.technique, stage.shadows) {
             (_, Shadows::None) => true,
-            (Technique::RayCast(_), Shadows::Rays(_)) => true,
-            (Technique::RayCast(_), Shadows::Volume(_)) => matches!(stage.mode(), Mode::Isosurface(_)),
+            (Technique::RayCast(_), _) => true,
             _ => false,
         };
         let noisy = |volume: &StageVolume| volume.perturbation.displaces() || volume.perturbation.varies();
@@ -129,6 +131,9 @@ impl GpuRenderer {
             Technique::PathTrace(settings) => lacks_of_paths(stage, settings),
             _ if lit && stage.lights.iter().any(ResolvedLight::is_face) => {
                 Some("lighting.lights of kind rectangle".to_owned())
+            }
+            _ if stage.classifies_voxels() && stage.volumes.iter().any(|volume| stage.chroma(volume).is_some()) => {
+                Some("scattering.extinction_color of classified voxels".to_owned())
             }
             Technique::HalfAngle(_) => None,
             _ if lit && !shadows => Some(format!("lighting.shadows = {} in {name}", stage.shadows.name())),
@@ -195,6 +200,7 @@ impl GpuRenderer {
         {
             // Whatever is on the device is not to be relied on.
             self.resident = None;
+            self.light = None;
         }
         drawn?;
         std::mem::swap(&mut self.next, frame);
@@ -222,6 +228,7 @@ impl GpuRenderer {
         if (0..3).any(|axis| part.low[axis] > part.high[axis] || part.high[axis] > dims[axis]) {
             return Err(GpuError::Part { low: part.low, high: part.high, dims });
         }
+        self.light = None;
         let encoding = Encoding::of(volume, &self.device.capabilities);
         if let Some(resident) = &mut self.resident
             && !resident.update(&self.device, volume, &encoding, part)?
@@ -248,13 +255,14 @@ impl GpuRenderer {
                 layout: Layout::Solid,
                 border: bricks::border(stage, volume.volume.grid(), 1.0),
                 pixel_bytes: 0,
-                frame_bytes: stage.half_angle().map_or(0, half_angle::bytes),
+                frame_bytes: stage.half_angle().map_or(0, half_angle::bytes) + light_volume::bytes(stage, volume)?,
             },
         };
         let (plan, bricks) = MemoryPlan::new(&self.device, self.budget, stage, volume, &sources, &optics, demands)?;
         let travels = matches!(stage.technique, Technique::HalfAngle(_) | Technique::PathTrace(_));
         let moves = tables.displacer.is_some() || tables.variation.is_some();
-        if (travels || moves || stage.shadow_step(volume).is_some()) && bricks.len() > 1 {
+        let shadowed = stage.shadow_step(volume).is_some() || stage.light_resolution(volume).is_some();
+        if (travels || moves || shadowed) && bricks.len() > 1 {
             let what = "the volume, which light on its way and noise need whole,".to_owned();
             let needed = volume.volume.voxels().as_bytes().len() as u64;
             let advice = "draw it with --backend cpu, or resample it";
@@ -287,8 +295,11 @@ impl GpuRenderer {
                 drawing
             }
             Technique::RayCast(_) => {
-                let caster =
-                    RayCaster::new(device, &mut self.pipelines, resident, (stage, volume), optics, self.drawing);
+                let what = (stage, volume, &tables);
+                let (kept, pipelines) = (&mut self.light, &mut self.pipelines);
+                let light = LightVolumes::kept(kept, device, pipelines, resident, what, self.drawing, control)?;
+                let how = (self.drawing, light);
+                let caster = RayCaster::new(device, pipelines, resident, (stage, volume), optics, how);
                 let (mut caster, drawing) = (caster?, Instant::now());
                 caster.draw(&mut self.reused, control, frame)?;
                 drawing

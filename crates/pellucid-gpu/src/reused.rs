@@ -2,9 +2,8 @@
 
 use std::time::Duration;
 
-use wgpu::Buffer;
-
 use crate::Device;
+use crate::half_angle::Layers;
 use crate::pace::Pace;
 use crate::slicing::Canvas;
 use crate::targets::Targets;
@@ -59,7 +58,7 @@ pub struct Reused {
     /// What slices are blended in.
     pub canvas: Option<Canvas>,
     /// Layers of light on its way through slabs.
-    pub light: Option<Buffer>,
+    pub light: Option<Layers>,
     /// The device's clock, if it has one.
     pub timer: Option<Timer>,
 }

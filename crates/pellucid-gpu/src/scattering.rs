@@ -10,6 +10,9 @@ type Four = [f32; 4];
 /// Angles that a phase function is listed at, from 0 to 180 degrees.
 const ANGLES: usize = 8192;
 
+/// Fours in front of the tables.
+pub const HEADER: usize = 8;
+
 /// Which formula `scatter.wgsl` has for a phase function.
 const LISTED: f32 = 0.0;
 const HENYEY_GREENSTEIN: f32 = 1.0;
@@ -25,8 +28,7 @@ pub fn most_bytes(tables: &Tables) -> u64 {
     let Some(scatter) = &tables.light.scatter else { return 0 };
     let transport = tables.light.transport.as_ref().map_or(0, |transport| transport.entries().len());
     let colors = transport.max(tables.table.entries().len());
-    let header = 8;
-    ((header + scatter.entries().len() + colors + ANGLES + COSINES + 1) * size_of::<Four>()) as u64
+    ((HEADER + scatter.entries().len() + colors + ANGLES + COSINES + 1) * size_of::<Four>()) as u64
 }
 
 /// What samples that scatter once look up; nothing if they do not.
@@ -45,7 +47,7 @@ pub fn of_paths(scattering: &Scattering, tables: &Tables) -> Vec<Four> {
     to_fours(scattering, scatter, Some((nodes, &albedos)), Listed::sampled(scattering))
 }
 
-/// The structure's numbers.
+/// The structure's numbers, and the tables behind it.
 fn to_fours(
     scattering: &Scattering,
     scatter: &ScatterTable,
@@ -62,12 +64,14 @@ fn to_fours(
     let is_renormalised = f32::from(scattering.phase_normalization == PhaseNormalization::Renormalised);
     let is_uniform = f32::from(scattering.anisotropy == Anisotropy::Uniform);
     let g = scattering.phase.anisotropy().unwrap_or(0.0);
-    let surfaces = match &scattering.surface {
-        SurfaceShare::Gradient(weight) => [weight.low, 1.0 / (weight.high - weight.low), 0.0, 0.0],
-        _ => [0.0; 4],
+    let [low, rise] = match &scattering.surface {
+        SurfaceShare::Gradient(weight) => [weight.low, 1.0 / (weight.high - weight.low)],
+        _ => [0.0; 2],
     };
+    let is_told = is_uniform == 0.0 || matches!(scattering.surface, SurfaceShare::Values(_));
+    let surfaces = [low, rise, f32::from(is_told), 0.0];
     let phase = [listed.kind, is_renormalised, g, is_uniform];
-    let header = [properties, colors, angles, phase, listed.back, cosines, listed.shares, surfaces];
+    let header: [Four; HEADER] = [properties, colors, angles, phase, listed.back, cosines, listed.shares, surfaces];
     header.into_iter().chain(entries).collect()
 }
 

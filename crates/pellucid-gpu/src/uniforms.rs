@@ -130,8 +130,8 @@ impl Frame {
             let away = stage.shadow_offset(volume, length);
             frame.shadows = [length, length / stage.step, away, 0.0].map(|v| v as f32);
         }
-        let [r, g, b] = stage.shadow_chroma(volume).unwrap_or([1.0; 3]);
-        frame.chroma = [r, g, b, stage.shadow_dark(volume)];
+        let [r, g, b] = stage.chroma(volume).map_or([1.0; 3], |chroma| chroma.ratios);
+        frame.chroma = [r, g, b, 0.0];
         frame.counts[0] = stage.lights.len() as u32;
         frame.counts[1] = region.half_spaces().len() as u32;
         match stage.mode() {
@@ -194,6 +194,11 @@ impl Frame {
         let unlit = material.emission + material.ambient * ambient;
         self.material = [unlit, material.diffuse, material.specular, material.shininess];
         self.counts[3] = u32::from(material.two_sided);
+    }
+
+    /// How many points a light volume has across its last axis.
+    pub fn set_light_points(&mut self, depth: usize) {
+        self.shadows[3] = depth as f32;
     }
 
     /// Which part of the picture is drawn.
@@ -307,7 +312,7 @@ mod tests {
         assert_eq!(layout(&sliced, "Box"), fields!(SliceBox: low high));
         assert_eq!(layout(&pixels.link(Constants::Uniform).unwrap(), "Pixel"), fields!(Pixel: color surface counts));
         let sweep = fields!(Sweep: slabs texel_x texel_y depth origin_middle origin_right origin_up direction_middle
-            direction_right direction_up plane ways blur scales cone size counts);
+            direction_right direction_up plane ways blur scales cone taps size counts light);
         let eye = Variant::of(shaders::Pass::HalfAngleEye).canonical().link(Constants::Uniform).unwrap();
         assert_eq!(layout(&eye, "Sweep"), sweep);
         let paths = fields!(Paths: counts more numbers top bottom index_x index_y index_z lens_right lens_up);

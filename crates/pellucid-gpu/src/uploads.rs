@@ -8,6 +8,7 @@ use wgpu::{Buffer, BufferUsages, TextureFormat, TextureView};
 
 use crate::noise::UploadedNoise;
 use crate::optics::Optics;
+use crate::scattering::HEADER;
 use crate::shaders::Pass;
 use crate::{Device, texture};
 
@@ -22,8 +23,8 @@ pub struct Uploads {
     pub blocks: TextureView,
     /// Noise on the volume, if there is some.
     pub perturbation: Option<UploadedNoise>,
-    /// How samples scatter.
-    pub scattering: Buffer,
+    /// How samples scatter: numbers and tables.
+    pub scattering: [Buffer; 2],
     /// Isosurfaces.
     pub levels: Buffer,
     /// The tile of blue noise.
@@ -36,6 +37,9 @@ impl Uploads {
         let noise: Vec<f32> = (0..BLUE_NOISE_TILE * BLUE_NOISE_TILE)
             .map(|cell| blue_noise(cell % BLUE_NOISE_TILE, cell / BLUE_NOISE_TILE, 0) as f32)
             .collect();
+        let mut scattering = optics.scattering();
+        scattering.resize(scattering.len().max(HEADER), [0.0; 4]);
+        let (header, tables_of_scattering) = scattering.split_at(HEADER);
         Self {
             of: tables.clone(),
             pass: optics.pass,
@@ -43,7 +47,10 @@ impl Uploads {
             entries: storage(device, "table", &optics.entries),
             blocks: block_texture(device, optics.blocks, optics.pass.compares_extremes()),
             perturbation: UploadedNoise::new(device, tables),
-            scattering: storage(device, "scattering", &optics.scattering()),
+            scattering: [
+                device.constant_buffer("scattering", cast_slice(header)),
+                storage(device, "scattered", tables_of_scattering),
+            ],
             levels: storage(device, "levels", &optics.levels),
             noise: storage(device, "noise", &noise),
         }

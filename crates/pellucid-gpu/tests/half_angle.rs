@@ -128,6 +128,25 @@ fn every_setting_means_the_same() {
     }
 }
 
+/// K-13: towards the eye, from the light and into the cone.
+#[test]
+fn each_colour_is_held_back_as_on_the_cpu() {
+    let volume = wavelet();
+    for in_scatter in ["indirect", "direct", "direct_from_matter"] {
+        let technique = format!("half_angle = {{ resolution = 40, in_scatter = \"{in_scatter}\" }}");
+        for scattering in [
+            "extinction_color = \"#ff8020\"",
+            "extinction_color = \"#00bcff\"\ntransport = [[0, \"#f0c080\"]]",
+            "extinction_color = \"#808080\"\nsurface.values = [[80, 0.5]]",
+        ] {
+            for light in [LIGHTS[0].1, LIGHTS[2].1, LIGHTS[3].1] {
+                let document = Document { technique: &technique, scattering, lights: &[light], ..PLAIN };
+                agree(&volume, &document, &format!("{technique} {scattering} {light}"));
+            }
+        }
+    }
+}
+
 #[test]
 fn samples_scatter_and_reflect_as_on_the_cpu() {
     let volume = wavelet();

@@ -1,7 +1,7 @@
 //! What every backend asks of a stage before it draws.
 
 use glam::DVec3;
-use pellucid_optics::{Chroma, ShadowRays, Shadows};
+use pellucid_optics::{Chroma, ShadowRays, ShadowVolume, Shadows};
 
 use crate::{
     Classification, HalfAngle, Mode, PathTrace, Region, RenderWarning, Slice, Slicing, Stage, StageVolume, Technique,
@@ -61,6 +61,16 @@ impl Stage {
         Chroma::of(&volume.scattering).filter(|_| composites)
     }
 
+    /// Points of a light volume for each voxel and axis, if what is lit of a volume asks for one.
+    pub fn light_resolution(&self, volume: &StageVolume) -> Option<f64> {
+        match (&self.technique, self.mode(), self.shadows) {
+            (Technique::RayCast(_), Mode::Composite, Shadows::Volume(ShadowVolume { resolution })) => {
+                (self.scatters() || volume.material.is_some()).then_some(resolution)
+            }
+            _ => None,
+        }
+    }
+
     /// How many steps of a length off the sample shadow rays begin: off surfaces, as far as the roughness of sampled
     /// data reaches.
     pub fn shadow_offset(&self, volume: &StageVolume, length: f64) -> f64 {
@@ -77,6 +87,12 @@ impl Stage {
         asked
             && matches!(self.mode(), Mode::Composite)
             && !matches!(self.technique, Technique::PathTrace(_) | Technique::HalfAngle(_))
+    }
+
+    /// Whether segments between samples are integrated (4.6); integrals hold all colours back alike.
+    pub fn integrates_segments(&self) -> bool {
+        let asked = self.quality.classification == Classification::PreIntegrated;
+        asked && *self.mode() == Mode::Composite && self.volumes.iter().all(|volume| self.chroma(volume).is_none())
     }
 
     /// What the technique draws otherwise than the scene asks for: only paths find the size of a light, and blending

@@ -1,9 +1,9 @@
 //! The light at the points of a grid, swept through the volume once (6.1-2, K-04).
 
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use pellucid_field::{ComponentView, Gradient, Grid, Linear, Volume, Voxels};
 use pellucid_optics::ResolvedLight;
-use pellucid_scene::half_angle::{Geometry, LightError};
+use pellucid_scene::half_angle::{Geometry, LightError, LightPoints};
 use pellucid_scene::{Control, HalfAngle, Region};
 use rayon::prelude::*;
 
@@ -37,14 +37,7 @@ impl LightVolume {
         control: &Control,
     ) -> Result<Self, RenderError> {
         let grid = prepared.grid();
-        let (low, high) = grid.index_bounds();
-        let dims = (high - low).to_array().map(|voxels| (voxels * resolution).ceil().max(1.0) as usize + 1);
-        let spacing = (high - low) / DVec3::from_array(dims.map(|n| (n - 1) as f64));
-        let index_from_point = DAffine3 { matrix3: glam::DMat3::from_diagonal(spacing), translation: low };
-        let points = Grid::with_affine(dims, grid.world_from_index() * index_from_point)?;
-        // Texels about as far apart as the points.
-        let [near, far] = [points.smallest_spacing(), grid.world_corners()[0].distance(grid.center()) * 2.0];
-        let texels = (far / near).ceil().clamp(16.0, 4096.0) as u32;
+        let LightPoints { grid: points, low, spacing, texels } = LightPoints::new(grid, resolution)?;
         let geometry =
             Geometry::of_light(prepared.stage.step, grid, light, texels).ok_or(LightError::Inside { light: number })?;
         let direct = HalfAngle { indirect: 0.0, ..HalfAngle::default() };

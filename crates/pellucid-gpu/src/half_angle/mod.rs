@@ -3,6 +3,7 @@
 //! then the eye looks at the whole run. Runs follow each other without a stop, many in a submission.
 
 mod area;
+mod layers;
 mod numbers;
 
 use std::ops::Range;
@@ -13,8 +14,7 @@ use pellucid_optics::ResolvedLight;
 use pellucid_scene::half_angle::{Geometry, LightError, lights, material, taps};
 use pellucid_scene::{Control, Frame as Picture, HalfAngle, InScatter, Stage, StageVolume};
 use wgpu::{
-    BindGroup, BindingResource, Buffer, BufferDescriptor, BufferUsages, CommandEncoder, CommandEncoderDescriptor,
-    ComputePassTimestampWrites,
+    BindGroup, BindingResource, Buffer, CommandEncoder, CommandEncoderDescriptor, ComputePassTimestampWrites, Features,
 };
 
 use crate::bindings::Bindings;
@@ -23,7 +23,7 @@ use crate::optics::Optics;
 use crate::pace::Pace;
 use crate::passes::PassBuffer;
 use crate::pipelines::{Pipeline, Pipelines};
-use crate::renderer::Drawing;
+use crate::renderer::{Drawing, Interpolation};
 use crate::resident::Resident;
 use crate::reused::Reused;
 use crate::shaders::{Pass, Variant};
@@ -35,13 +35,14 @@ use crate::window::Window;
 use crate::{Device, GpuError};
 
 use area::Areas;
+pub use layers::Layers;
 pub use numbers::Sweep;
 
-/// Most slabs that the eye looks at together, and texels of all their layers.
-const MOST_RUN: usize = 16;
+/// Most slabs that the eye looks at together: fewer where a sample is a sum over many voxels, as
+/// [`Kernels::most_looks`](crate::kernels::Kernels::most_looks) says. Texels of all their layers.
+const MOST_RUN: u32 = 32;
+const MOST_RUN_OF_KERNELS: u32 = 8;
 const MOST_TEXELS: usize = 1 << 24;
-/// Bytes of a texel in a layer of light.
-const TEXEL_BYTES: u64 = 16;
 
 /// Everything on the device that one frame is drawn with.
 pub struct HalfAngleSlicer<'a> {
@@ -50,6 +51,8 @@ pub struct HalfAngleSlicer<'a> {
     stage: &'a Stage,
     bindings: Bindings<'a>,
     lights: Vec<Travelling>,
+    /// Texels of the widest and the highest of their pictures.
+    size: [u32; 2],
     settings: &'a HalfAngle,
     light: Pipeline,
     presence: Option<Pipeline>,
@@ -89,12 +92,14 @@ impl Bound<'_> {
 }
 
 impl Travelling {
-    fn texels(&self) -> u64 {
-        self.geometry.frame.size.iter().map(|&n| n as u64).product()
+    /// Texels of its picture.
+    fn size(&self) -> [u32; 2] {
+        self.geometry.frame.size.map(|n| n as u32)
     }
 
-    fn bytes(&self) -> u64 {
-        layers(self.run) * self.texels() * TEXEL_BYTES
+    /// Layers of texels for a run: light in front of every slab, and behind the last.
+    fn layers(&self) -> u32 {
+        self.run + 1
     }
 
     /// Runs of slabs; one at least, so that rays begin.
@@ -111,18 +116,21 @@ impl Travelling {
 
 /// The most bytes that the light of a stage may take: known before the lights are looked at.
 pub fn bytes(settings: &HalfAngle) -> u64 {
-    let texels = (settings.resolution as usize + 2).pow(2);
-    layers(run_length(texels)) * texels as u64 * TEXEL_BYTES
+    let size = settings.resolution + 1;
+    Layers::bytes([size; 2], run_length((size as usize).pow(2)) + 1)
+}
+
+/// How light is interpolated: as the volume is.
+pub fn interpolation(device: &Device, drawing: Drawing) -> Interpolation {
+    match drawing.interpolation {
+        Interpolation::Hardware if device.capabilities.has(Features::FLOAT32_FILTERABLE) => Interpolation::Hardware,
+        _ => Interpolation::Exact,
+    }
 }
 
 /// Slabs in a run for pictures of so many texels; no picture depends on it.
 fn run_length(texels: usize) -> u32 {
-    (MOST_TEXELS / texels.max(1)).clamp(1, MOST_RUN) as u32
-}
-
-/// Layers of texels for a run: light in front of every slab, behind the last, and where a slab holds something.
-fn layers(run: u32) -> u64 {
-    u64::from(run) + 2
+    ((MOST_TEXELS / texels.max(1)) as u32).clamp(1, MOST_RUN)
 }
 
 impl<'a> HalfAngleSlicer<'a> {
@@ -138,12 +146,11 @@ impl<'a> HalfAngleSlicer<'a> {
         (optics, uploads): (&Optics, &'a Uploads),
         drawing: Drawing,
     ) -> Result<Self, GpuError> {
-        // A black light is what a buffer of no lights is for shaders.
         let found = lights(stage, settings)?;
         let (material, ambient) = material(stage, volume, settings, found.len());
         let alter = |frame: &mut uniforms::Frame| frame.set_material(&material, ambient);
-        let bindings =
-            Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter);
+        let interpolation = interpolation(device, drawing);
+        let bindings = Bindings::new(device, resident, (stage, volume), (optics, uploads), interpolation, alter);
         let variant = |pass| {
             let is_indirect = settings.indirect > 0.0;
             let (scatters_direct, gated) = match settings.in_scatter {
@@ -164,23 +171,32 @@ impl<'a> HalfAngleSlicer<'a> {
         let light = pipelines.get(device, variant(Pass::HalfAngleLight))?.clone();
         let presence = light.variant.gated.then(|| pipelines.get(device, variant(Pass::HalfAnglePresence)).cloned());
         let grid = volume.volume.grid();
-        let travelling = |(number, light): &(usize, ResolvedLight)| {
-            let geometry = Geometry::new(stage, grid, settings, light).ok_or(LightError::Inside { light: *number })?;
-            let numbers = Sweep::new((stage, volume), settings, &geometry, [*number, found.len()]);
+        let geometry = |(number, light): &(usize, ResolvedLight)| {
+            Geometry::new(stage, grid, settings, light).ok_or(LightError::Inside { light: *number })
+        };
+        let geometries = found.iter().map(geometry).collect::<Result<Vec<_>, _>>()?;
+        let size =
+            [0, 1].map(|axis| geometries.iter().map(|geometry| geometry.frame.size[axis] as u32).max().unwrap_or(1));
+        let most = if bindings.variant.kernels { MOST_RUN_OF_KERNELS } else { MOST_RUN };
+        let travelling = |((_, light), geometry): (&(usize, ResolvedLight), Geometry)| {
+            let what = (light, found.len());
+            let numbers = Sweep::new((stage, volume), settings, &geometry, what, Layers::sides(size));
             // Where all light comes from matter, what is empty is dark.
             let blocks = optics.blocks.filter(|_| settings.in_scatter != InScatter::BothFromMatter);
             let is_blurred = settings.indirect > 0.0 && taps::count(settings) > 0;
             let radius = taps::radius(settings, geometry.longest, grid.smallest_spacing());
             let reach = if is_blurred { radius * geometry.frame.finest(grid) } else { 0.0 };
-            Ok(Travelling {
+            Travelling {
                 numbers: device.constant_buffer("sweep", bytes_of(&numbers)),
                 areas: Areas::new(&geometry, blocks, grid, reach),
-                run: run_length(geometry.frame.size.iter().product()).min(geometry.slabs.count as u32),
+                run: run_length(geometry.frame.size.iter().product()).min(most).min(geometry.slabs.count as u32),
                 geometry,
-            })
+            }
         };
+        let lights = found.iter().zip(geometries).map(travelling).collect();
         Ok(Self {
-            lights: found.iter().map(travelling).collect::<Result<_, GpuError>>()?,
+            lights,
+            size,
             presence: presence.transpose()?,
             eye: pipelines.get(device, variant(Pass::HalfAngleEye))?.clone(),
             surface: pipelines.get(device, variant(Pass::HalfAngleSurface))?.clone(),
@@ -203,12 +219,8 @@ impl<'a> HalfAngleSlicer<'a> {
         let subs = self.stage.quality.supersampling.pow(2);
         let timer = reused.timer.as_ref();
         let mut busy = timer.map(|_| 0.0);
-        let size = self.lights.iter().map(Travelling::bytes).max().unwrap_or(0);
-        // The old one goes first.
-        reused.light.take_if(|light| light.size() < size);
-        let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-        let descriptor = BufferDescriptor { label: Some("light"), size, usage, mapped_at_creation: false };
-        let lost = &*reused.light.get_or_insert_with(|| self.device.device.create_buffer(&descriptor));
+        let most = self.lights.iter().map(Travelling::layers).max().unwrap_or(1);
+        let layers = Layers::kept(&mut reused.light, self.device, self.size, most);
         let (mut row, end) = (first, if width == 0 { first } else { first + height });
         while row < end {
             let rows = self.resident.plan.rows.min(end - row);
@@ -216,7 +228,7 @@ impl<'a> HalfAngleSlicer<'a> {
             for sub in 0..subs {
                 for light in 0..self.lights.len() {
                     let place = [row, rows, sub];
-                    let seconds = self.sweep(targets, lost, timer, &mut reused.slices, (light, place), control)?;
+                    let seconds = self.sweep(targets, layers, timer, &mut reused.slices, (light, place), control)?;
                     busy = busy.zip(seconds).map(|(busy, seconds)| busy + seconds);
                     let done = (sub as usize * self.lights.len() + light + 1) as f64;
                     let all = f64::from(subs) * self.lights.len() as f64;
@@ -236,7 +248,7 @@ impl<'a> HalfAngleSlicer<'a> {
     fn sweep(
         &mut self,
         targets: &Targets,
-        lost: &Buffer,
+        layers: &Layers,
         timer: Option<&Timer>,
         pace: &mut Pace,
         (number, [row, rows, sub]): (usize, [u32; 3]),
@@ -256,11 +268,27 @@ impl<'a> HalfAngleSlicer<'a> {
         let textures = self.resident.textures(self.device, &brick, control)?;
         let light = &self.lights[number];
         let volume = self.bindings.volume_group(&self.light.groups[1], &textures);
-        let travels = [(17, light.numbers.as_entire_binding()), (18, lost.as_entire_binding())];
-        let sees = [(5, targets.states.as_entire_binding()), travels[0].clone(), travels[1].clone()];
-        let advance = self.bound(&self.light, &passes, &travels);
-        let presence = self.presence.as_ref().map(|presence| self.bound(presence, &passes, &travels));
-        let [eye, surface] = [&self.eye, &self.surface].map(|pipeline| self.bound(pipeline, &passes, &sees));
+        let numbers = (17, light.numbers.as_entire_binding());
+        let held = (22, BindingResource::TextureView(&layers.held));
+        let advance: Vec<_> = (0..light.layers())
+            .map(|layer| {
+                let [[before, _], [_, behind]] =
+                    [layer, (layer + 1) % light.layers()].map(|layer| &layers.each[layer as usize]);
+                let mut own = vec![
+                    numbers.clone(),
+                    (18, BindingResource::TextureView(before)),
+                    (21, BindingResource::TextureView(behind)),
+                ];
+                own.extend(self.presence.as_ref().map(|_| held.clone()));
+                self.bound(&self.light, &passes, &own)
+            })
+            .collect();
+        let presence =
+            self.presence.as_ref().map(|presence| self.bound(presence, &passes, &[numbers.clone(), held.clone()]));
+        let states = (5, targets.states.as_entire_binding());
+        let all = (18, BindingResource::TextureView(&layers.all));
+        let eye = self.bound(&self.eye, &passes, &[states.clone(), numbers.clone(), all]);
+        let surface = self.bound(&self.surface, &passes, &[states, numbers]);
         let pixels = [targets.width, rows];
         let mut busy = Some(0.0);
         let mut next = 0;
@@ -276,7 +304,7 @@ impl<'a> HalfAngleSlicer<'a> {
             let mut encoder =
                 self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("half-angle") });
             if some.start == 0 {
-                encoder.clear_buffer(lost, 0, Some(light.bytes()));
+                layers.clear(&mut encoder);
             }
             let writes = |first, last| timer.and_then(|timer| timer.writes(0, first, last));
             for run in some.clone() {
@@ -286,16 +314,10 @@ impl<'a> HalfAngleSlicer<'a> {
                     let [from, to] = light.areas.of(slab);
                     let texels = [to[0] - from[0], to[1] - from[1]];
                     if let Some(presence) = &presence {
-                        presence.dispatch(
-                            &mut encoder,
-                            &volume,
-                            offset,
-                            light.geometry.frame.size.map(|n| n as u32),
-                            None,
-                        );
+                        presence.dispatch(&mut encoder, &volume, offset, light.size(), None);
                     }
                     let begins = writes(run == some.start && slab == here.start, false);
-                    advance.dispatch(&mut encoder, &volume, offset, texels, begins);
+                    advance[(slab % light.layers()) as usize].dispatch(&mut encoder, &volume, offset, texels, begins);
                 }
                 let ends = writes(run == some.start && here.is_empty(), run + 1 == some.end);
                 eye.dispatch(&mut encoder, &volume, passes.offset(slabs.len() + run as usize), pixels, ends);
@@ -316,13 +338,14 @@ impl<'a> HalfAngleSlicer<'a> {
 
     /// Light passes a slab: from its layer in the run to the next.
     fn light_pass(&self, light: &Travelling, slab: u32) -> uniforms::Pass {
-        // In turns through one layer more than there are slabs in a run: all in front of them and behind the last.
-        let layers = light.run + 1;
         let [from, to] = light.areas.of(slab);
-        let [turn, radius] = taps::pattern(self.settings, slab as usize).map(|number| (number as f32).to_bits());
+        let [x, y] = match taps::offsets(self.settings, slab as usize).first() {
+            Some(tap) => tap.map(f32::to_bits),
+            None => [0; 2],
+        };
         uniforms::Pass {
-            rows: [slab, slab % layers, (slab + 1) % layers, layers],
-            texture_low: [turn, radius, 0, 0],
+            rows: [slab, 0, 0, 0],
+            texture_low: [x, y, 0, 0],
             core_low: [from[0], from[1], 0, 0],
             core_high: [to[0], to[1], 0, 0],
         }
@@ -358,7 +381,7 @@ fn eye_pass(light: &Travelling, run: u32, [row, rows, sub]: [u32; 3], is_first: 
     uniforms::Pass {
         rows: [row, rows, sub, 0],
         texture_low: [0, 0, 0, u32::from(is_first && run == 0)],
-        core_low: [start, end, light.run + 1, 0],
+        core_low: [start, end, light.layers(), start % light.layers()],
         ..uniforms::Pass::default()
     }
 }

@@ -1,12 +1,15 @@
 //! What shaders are told of a sweep: the structure of `sweep.wgsl`.
 
+use std::f64::consts::TAU;
+
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use pellucid_field::Grid;
+use pellucid_optics::ResolvedLight;
 use pellucid_scene::half_angle::{Geometry, Ways, into_cone, taps};
 use pellucid_scene::{BlurScaling, HalfAngle, InScatter, LightCorrection, Stage, StageVolume};
 
-use crate::uniforms::four;
+use crate::uniforms::{Light, four};
 
 type Four = [f32; 4];
 
@@ -29,17 +32,20 @@ pub struct Sweep {
     pub blur: Four,
     pub scales: Four,
     pub cone: Four,
+    pub taps: Four,
     pub size: [u32; 4],
     pub counts: [u32; 4],
+    pub light: Light,
 }
 
 impl Sweep {
-    /// Of a light, by its number, among so many.
+    /// Of a light among so many, in layers with sides of so many texels.
     pub fn new(
         (stage, volume): (&Stage, &StageVolume),
         settings: &HalfAngle,
         geometry: &Geometry,
-        [light, lights]: [usize; 2],
+        (light, lights): (&ResolvedLight, usize),
+        sides: [u32; 2],
     ) -> Self {
         let grid = volume.volume.grid();
         let mut sweep = Self::default();
@@ -68,7 +74,10 @@ impl Sweep {
         sweep.scales = [settings.direct, settings.indirect, settings.initial_indirect, lights as f32];
         let [r, g, b] = into_cone(&volume.scattering, settings);
         sweep.cone = [r, g, b, 0.0];
-        sweep.size = [frame.size[0], frame.size[1], slabs.count, light].map(|n| n as u32);
+        let turn = TAU / f64::from(taps::count(settings).max(1));
+        sweep.taps = [turn.cos() as f32, turn.sin() as f32, 1.0 / sides[0] as f32, 1.0 / sides[1] as f32];
+        sweep.size = [frame.size[0], frame.size[1], slabs.count, 0].map(|n| n as u32);
+        sweep.light = light.into();
         let gate = match settings.in_scatter {
             InScatter::Indirect | InScatter::Direct => 0,
             InScatter::DirectFromMatter => 1,

@@ -4,7 +4,7 @@
 #import pellucid::ray::{Ray, Sample}
 #import pellucid::march::State
 #import pellucid::surface::add_sample
-#import pellucid::table::{classify_stride, over_length}
+#import pellucid::table::{classify_stride, coverage, over_length}
 #import pellucid::vary::varied
 #ifdef PRECLASSIFIED
 #import pellucid::preclassify::classify_voxels
@@ -30,4 +30,6 @@ fn visit(state: ptr<function, State>, ray: Ray, sample: Sample, p: vec3<f32>) ->
     return add_sample(state, ray, sample.distance, value, rgba);
 }
 
-fn finish(state: ptr<function, State>) {}
+fn finish(state: ptr<function, State>) {
+    (*state).color.a = coverage((*state).color.a);
+}

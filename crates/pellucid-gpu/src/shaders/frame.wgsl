@@ -37,9 +37,10 @@ struct Frame {
     // A slice: normal in voxels and offset; its world normal.
     plane: vec4<f32>,
     plane_normal: vec4<f32>,
-    // A step of a shadow ray in world lengths and in steps of rays; how many of them off the sample it begins.
+    // A step of a shadow ray in world lengths and in steps of rays; how many of them off the sample it begins; points
+    // of a light volume across its last axis, 0 for rays.
     shadows: vec4<f32>,
-    // Factors of the extinction on such a ray for each colour; what is left of light that is not followed further.
+    // Extinctions of each colour over that of the one that is lost least, whose opacities all opacities are.
     chroma: vec4<f32>,
     // Columns that are drawn, the first of them, rays per pixel and axis, 1 for a perspective.
     size: vec4<u32>,
@@ -64,6 +65,12 @@ struct Pass {
     core_high: vec4<u32>,
 }
 
+#ifdef LOADED_CONSTANTS
+@group(0) @binding(0) var<storage, read> stored_frame: Frame;
+@group(0) @binding(1) var<storage, read> stored_bounds: Pass;
+var<private> frame: Frame;
+var<private> bounds: Pass;
+#else
 #ifdef STORED_CONSTANTS
 @group(0) @binding(0) var<storage, read> frame: Frame;
 @group(0) @binding(1) var<storage, read> bounds: Pass;
@@ -71,6 +78,16 @@ struct Pass {
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> bounds: Pass;
 #endif
+#endif
+
+// Reads constants before anything branches: behind a branch, Mesa's software driver reads them once for every lane,
+// each time they are needed.
+fn load_frame() {
+#ifdef LOADED_CONSTANTS
+    frame = stored_frame;
+    bounds = stored_bounds;
+#endif
+}
 
 // A position in voxels in the world.
 fn world_of(p: vec3<f32>) -> vec3<f32> {

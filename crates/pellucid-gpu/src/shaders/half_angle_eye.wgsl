@@ -1,8 +1,8 @@
 // The eye looks at a run of slabs in the light that has come to each (Eq. 6.9, 6.10, K-05). The pass: rows and
-// ray of the picture; the first slab, the end, and how many layers light is kept in by turns.
+// ray of the picture; the first slab, the end, how many layers light is kept in by turns, and the first slab's.
 #import pellucid::frame::{frame, bounds}
-#import pellucid::march::{end_turn, turn_of}
-#import pellucid::light::{add_light, in_light, in_the_dark, incident, lights}
+#import pellucid::march::{states, turn_of}
+#import pellucid::light::{add_light, in_light, in_the_dark, incident}
 #import pellucid::eye::eye_crossing
 #import pellucid::ray::nonzeros
 #import pellucid::slab::{matter_of, Matter}
@@ -10,8 +10,9 @@
 #import pellucid::skip::clear_steps
 #endif
 #import pellucid::surface::gradient_of_surface
-#import pellucid::sweep::{in_picture, loss, on_plane, passage_of, sweep, Crossing, Passage}
-#import pellucid::table::{opacity_over, over, over_length}
+#import pellucid::sweep::{in_picture, layer_of, load_sweep, loss, on_plane, passage_of, sweep, Crossing, Passage}
+#import pellucid::table::{each_color, opacity_over, over, over_length}
+#import pellucid::scatter::load_scattering
 #ifdef TRANSPORT
 #import pellucid::scatter::transported
 #endif
@@ -48,7 +49,7 @@ fn leap(crossing: Crossing, inverse: vec3<f32>, first: u32, end: u32) -> u32 {
 fn seen(passage: Passage, matter: Matter, slab: u32, to_eye: vec3<f32>) -> vec4<f32> {
     let p = passage.position;
     let rgba = over_length(matter.color, passage.ratio);
-    let lost = loss(slab % bounds.core_low.z, in_picture(p).xy);
+    let lost = loss(layer_of(slab), in_picture(p).xy);
     var direct = 1.0 - lost.a;
     var indirect = vec3<f32>(sweep.scales.z) - lost.rgb;
     if sweep.counts.y == 0u {
@@ -58,12 +59,12 @@ fn seen(passage: Passage, matter: Matter, slab: u32, to_eye: vec3<f32>) -> vec4<
 #ifdef TRANSPORT
         indirect *= transported(p, matter.value, inside);
 #else
-        indirect *= through;
+        indirect *= each_color(through);
 #endif
     }
-    let light = lights[sweep.size.w];
+    let light = sweep.light;
     var sample = in_the_dark(matter.value, gradient_of_surface(p), to_eye);
-    add_light(&sample, light, p, vec3<f32>(direct * sweep.scales.x));
+    add_light(&sample, light, p, each_color(direct) * sweep.scales.x);
     var color = in_light(sample, rgba);
 #ifdef INDIRECT
     let factor = indirect * incident(light, p).radiance * sweep.scales.y;
@@ -74,31 +75,35 @@ fn seen(passage: Passage, matter: Matter, slab: u32, to_eye: vec3<f32>) -> vec4<
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    load_sweep();
+    load_scattering();
     // How many slabs are looked at between two looks at the blocks.
     const RUN: u32 = 4u;
-    var turn = turn_of(id.xy);
+    let turn = turn_of(id.xy);
     if !turn.open {
         return;
     }
+    let is_first = bounds.texture_low.w != 0u;
     let eye = eye_crossing(turn.ray);
     let inverse = 1.0 / nonzeros(eye.crossing.direction);
     // A new state has another use of it.
-    var color = select(turn.state.place, vec4<f32>(0.0), bounds.texture_low.w != 0u);
+    var color = select(turn.state.place, vec4<f32>(0.0), is_first);
+    var counts = turn.state.counts;
     let end = min(bounds.core_low.y, u32(max(ceil(eye.crossing.ends.y), 0.0)));
     var slab = max(bounds.core_low.x, u32(max(eye.crossing.ends.x, 0.0)));
     while slab < end && (eye.is_backward || color.a < frame.limits.z) {
         let next = leap(eye.crossing, inverse, slab, end);
-        turn.state.counts.z += next - slab;
+        counts.z += next - slab;
         slab = next;
         for (var i = 0u; i < RUN && slab < end; i += 1u) {
             let passage = passage_of(eye.crossing, f32(slab));
             var is_open = passage.ratio > 0.0 && (eye.is_backward || color.a < frame.limits.z);
-            turn.state.counts.x += select(0u, 1u, is_open);
+            counts.x += select(0u, 1u, is_open);
             let matter = matter_of(passage);
             is_open = is_open && matter.color.a > 0.0;
             // As in `matter_of`.
             while is_open {
-                turn.state.counts.y += 1u;
+                counts.y += 1u;
                 let found = seen(passage, matter, slab, turn.ray.to_eye);
                 // In front of what is there (over), or behind it (under).
                 let front = select(color, found, eye.is_backward);
@@ -109,6 +114,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             slab += 1u;
         }
     }
-    turn.state.place = color;
-    end_turn(turn);
+    if is_first {
+        states[turn.slot] = turn.state;
+    }
+    // Of all others nothing else has changed.
+    states[turn.slot].place = color;
+    states[turn.slot].counts = counts;
 }

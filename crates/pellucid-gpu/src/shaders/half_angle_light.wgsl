@@ -1,38 +1,61 @@
 // Light passes a slab (Eq. 6.6, 6.7, K-06, K-09): a texel loses what its ray crosses, and gathers what is scattered
-// into its cone. The pass: the slab, the layers of light in front of it and behind it; turn and radius of the taps;
-// from which texel on to which light is passed, as it is lost in there and matters to anything.
+// into its cone. The pass: the slab; the first tap of the blur; from which texel on to which light is passed, as it
+// is lost in there and matters to anything.
 #import pellucid::frame::bounds
-#import pellucid::sweep::{light_ray, lost, loss, loss_at, passage_of, in_picture, sweep}
+#import pellucid::sweep::{light_ray, load_sweep, loss, loss_at, passage_of, in_picture, sweep}
 #import pellucid::slab::matter_of
-#import pellucid::table::opacity_over
+#ifdef GATED
+#import pellucid::sweep::between
+#endif
+#import pellucid::table::{each_color, each_opacity, opacity_over}
 #ifdef TRANSPORT
-#import pellucid::scatter::transported
+#import pellucid::scatter::{load_scattering, transported}
 #endif
 
-const TAU: f32 = 6.2831853;
+// What is lost behind the slab.
+@group(0) @binding(21) var next: texture_storage_2d<rgba32float, write>;
+#ifdef GATED
+// 1 where the slab holds something.
+@group(0) @binding(22) var held: texture_2d<f32>;
+#endif
 
-// The taps, as places in the light's picture.
-fn tap(number: u32, middle: vec2<f32>, radius: vec2<f32>) -> vec2<f32> {
-    let angle = (f32(number) + bitcast<f32>(bounds.texture_low.x)) / f32(sweep.counts.x) * TAU;
-    return middle + radius * bitcast<f32>(bounds.texture_low.y) * vec2<f32>(cos(angle), sin(angle));
+// The next corner of the polygon of taps.
+fn turned(tap: vec2<f32>) -> vec2<f32> {
+    let turn = sweep.taps.xy;
+    return vec2<f32>(tap.x * turn.x - tap.y * turn.y, tap.x * turn.y + tap.y * turn.x);
 }
+
+#ifdef GATED
+// The part of four texels around a place that hold something.
+fn held_at(place: vec2<f32>) -> f32 {
+    let four = between(place);
+    let texel = four.texel + 1;
+    let near = mix(textureLoad(held, texel, 0).x, textureLoad(held, texel + vec2<i32>(1, 0), 0).x, four.part.x);
+    let far =
+        mix(textureLoad(held, texel + vec2<i32>(0, 1), 0).x, textureLoad(held, texel + vec2<i32>(1, 1), 0).x, four.part.x);
+    return mix(near, far, four.part.y);
+}
+#endif
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
+    load_sweep();
+#ifdef TRANSPORT
+    load_scattering();
+#endif
     let id = invocation.xy + bounds.core_low.xy;
     if any(id >= bounds.core_high.xy) {
         return;
     }
-    let layer = bounds.rows.y;
-    let here = vec2<i32>(id);
     let ray = light_ray(id);
     let passage = passage_of(ray, f32(bounds.rows.x));
     let matter = matter_of(passage);
     let alpha = opacity_over(matter.color.a, passage.ratio);
-    var left = vec4<f32>(vec3<f32>(sweep.scales.z), 1.0) - loss_at(layer, here);
+    let lost = loss_at(0u, vec2<i32>(id));
+    var left = vec4<f32>(vec3<f32>(sweep.scales.z), 1.0) - lost;
     let direct = left.a * (1.0 - alpha);
 #ifdef INDIRECT
-    var opacity = vec3<f32>(alpha);
+    var opacity = each_opacity(alpha);
 #ifdef TRANSPORT
     if matter.color.a > 0.0 {
         opacity = 1.0 - transported(passage.position, matter.value, passage.ratio);
@@ -51,32 +74,34 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     }
     // As a difference from the middle: what is even stays exactly even.
     let count = max(f32(sweep.counts.x), 1.0);
+    var tap = bitcast<vec2<f32>>(bounds.texture_low.xy);
 #ifdef GATED
     var mean = vec4<f32>(0.0);
     for (var i = 0u; i < max(sweep.counts.x, 1u); i += 1u) {
-        let place = select(middle, tap(i, middle, radius), sweep.counts.x > 0u);
-        // Where the slab holds something, in a layer of its own.
-        let held = loss(bounds.rows.w, place).a;
-        let arriving = vec4<f32>(vec3<f32>(sweep.scales.z), 1.0) - loss(layer, place);
+        let place = middle + radius * tap;
+        let gate = held_at(place);
+        let arriving = vec4<f32>(vec3<f32>(sweep.scales.z), 1.0) - loss(0u, place);
         // Indirect light crosses gaps unless all light comes from matter.
-        mean += arriving * vec4<f32>(vec3<f32>(select(1.0, held, sweep.counts.z == 2u)), held) / count;
+        mean += arriving * vec4<f32>(vec3<f32>(select(1.0, gate, sweep.counts.z == 2u)), gate) / count;
+        tap = turned(tap);
     }
     left = mean;
 #else
     var difference = vec4<f32>(0.0);
     for (var i = 0u; i < sweep.counts.x; i += 1u) {
-        difference += loss_at(layer, here) - loss(layer, tap(i, middle, radius));
+        difference += lost - loss(0u, middle + radius * tap);
+        tap = turned(tap);
     }
     left += difference / count;
 #endif
     var indirect = left.rgb;
 #ifdef SCATTERS_DIRECT
-    indirect += max(vec3<f32>(alpha) - opacity, vec3<f32>(0.0)) * sweep.cone.rgb * left.a;
+    indirect += max(each_opacity(alpha) - opacity, vec3<f32>(0.0)) * sweep.cone.rgb * each_color(left.a);
 #endif
     indirect *= 1.0 - opacity;
-    let next = vec4<f32>(vec3<f32>(sweep.scales.z) - indirect, 1.0 - direct);
+    let behind = vec4<f32>(vec3<f32>(sweep.scales.z) - indirect, 1.0 - direct);
 #else
-    let next = vec4<f32>(0.0, 0.0, 0.0, 1.0 - direct);
+    let behind = vec4<f32>(0.0, 0.0, 0.0, 1.0 - direct);
 #endif
-    lost[(bounds.rows.z * sweep.size.y + id.y) * sweep.size.x + id.x] = next;
+    textureStore(next, id + 1u, behind);
 }

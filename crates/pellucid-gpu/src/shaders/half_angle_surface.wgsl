@@ -5,18 +5,19 @@
 #import pellucid::eye::eye_crossing
 #import pellucid::slab::matter_of
 #import pellucid::surface::add_normal
-#import pellucid::sweep::{passage_of, sweep}
-#import pellucid::table::opacity_over
+#import pellucid::sweep::{load_sweep, passage_of, sweep}
+#import pellucid::table::{coverage, opacity_over}
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    load_sweep();
     var turn = turn_of(id.xy);
     if !turn.open {
         return;
     }
     let found = turn.state.place;
     // Light of several sweeps adds up; what holds it back is the same in all of them.
-    turn.state.color += vec4<f32>(found.rgb, found.a / sweep.scales.w);
+    turn.state.color += vec4<f32>(found.rgb, coverage(found.a) / sweep.scales.w);
     turn.state.place = vec4<f32>(0.0);
     if found.a >= 0.5 && turn.state.surface.w == NOWHERE {
         let eye = eye_crossing(turn.ray);

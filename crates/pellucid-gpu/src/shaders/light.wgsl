@@ -3,7 +3,9 @@
 #define_import_path pellucid::light
 
 #import pellucid::frame::{frame, world_of}
+#import pellucid::table::each_color
 #ifdef SHADOWED
+#import pellucid::light_volume::left_in_volume
 #import pellucid::shadow::left_of_light
 #endif
 #ifdef SCATTERED
@@ -159,11 +161,15 @@ fn in_light(sample: Lit, rgba: vec4<f32>) -> vec4<f32> {
 fn lit(rgba: vec4<f32>, value: f32, p: vec3<f32>, gradient: vec3<f32>, to_eye: vec3<f32>) -> vec4<f32> {
     var sample = in_the_dark(value, gradient, to_eye);
     for (var i = 0u; i < frame.counts.x; i += 1u) {
-        var left = vec3<f32>(1.0);
+        var left = 1.0;
 #ifdef SHADOWED
-        left = left_of_light(lights[i].place, p);
+        if frame.shadows.w == 0.0 {
+            left = left_of_light(lights[i].place, p);
+        } else {
+            left = left_in_volume(i, p);
+        }
 #endif
-        add_light(&sample, lights[i], p, left);
+        add_light(&sample, lights[i], p, each_color(left));
     }
     return in_light(sample, rgba);
 }

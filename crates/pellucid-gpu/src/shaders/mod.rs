@@ -247,6 +247,9 @@ impl Variant {
         let mut defines = self.defines();
         if constants == Constants::Stored {
             defines.insert("STORED_CONSTANTS".to_owned(), ShaderDefValue::Bool(true));
+            if self.pass.sweeps() {
+                defines.insert("LOADED_CONSTANTS".to_owned(), ShaderDefValue::Bool(true));
+            }
         }
         let (entry, mode) = self.pass.sources(self.traversal);
         let mut composer = Composer::default();

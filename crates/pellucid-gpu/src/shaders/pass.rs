@@ -13,7 +13,7 @@ macro_rules! source {
 }
 
 /// What passes import; each only from those above it.
-pub(super) const SHARED: [Source; 25] = [
+pub(super) const SHARED: [Source; 26] = [
     source!("frame"),
     source!("ray"),
     source!("kernel"),
@@ -24,6 +24,7 @@ pub(super) const SHARED: [Source; 25] = [
     source!("levels"),
     source!("skip"),
     source!("shadow"),
+    source!("light_volume"),
     source!("scatter"),
     source!("light"),
     source!("march"),
@@ -86,6 +87,8 @@ pub enum Pass {
     HalfAngleEye,
     /// What a light brought to pixels, and their surface.
     HalfAngleSurface,
+    /// Light at the points of a light volume.
+    LightPoints,
     /// Paths of light.
     PathTrace,
     /// What they brought to pixels.
@@ -105,7 +108,7 @@ pub enum Traversal {
 
 impl Pass {
     /// All passes.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::Composite,
         Self::CompositePre,
         Self::PreIntegrated,
@@ -127,6 +130,7 @@ impl Pass {
         Self::HalfAnglePresence,
         Self::HalfAngleEye,
         Self::HalfAngleSurface,
+        Self::LightPoints,
         Self::PathTrace,
         Self::PathTracePixels,
     ];
@@ -141,7 +145,7 @@ impl Pass {
     /// Whether it follows rays through slabs.
     pub(crate) fn sweeps(self) -> bool {
         use Pass::*;
-        matches!(self, HalfAngleLight | HalfAnglePresence | HalfAngleEye | HalfAngleSurface)
+        matches!(self, HalfAngleLight | HalfAnglePresence | HalfAngleEye | HalfAngleSurface | LightPoints)
     }
 
     /// Whether it follows paths of light, or what they brought.
@@ -179,6 +183,7 @@ impl Pass {
             Self::HalfAnglePresence => (source!("half_angle_presence"), None),
             Self::HalfAngleEye => (source!("half_angle_eye"), None),
             Self::HalfAngleSurface => (source!("half_angle_surface"), None),
+            Self::LightPoints => (source!("light_points"), None),
             Self::PathTrace => (source!("path_trace"), None),
             Self::PathTracePixels => (source!("path_trace_pixels"), None),
         }

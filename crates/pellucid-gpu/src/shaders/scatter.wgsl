@@ -20,12 +20,22 @@ struct Scattering {
     // place, and how many there are; factor of its weights that makes them shares per steradian.
     cosines: vec4<f32>,
     shares: vec4<f32>,
-    // Gradient magnitude where surfaces begin, one over the width of their rise.
+    // Gradient magnitude where surfaces begin, one over the width of their rise; 1 if values tell of anisotropy or
+    // surfaces.
     surfaces: vec4<f32>,
-    entries: array<vec4<f32>>,
 }
 
+#ifdef LOADED_CONSTANTS
+@group(2) @binding(1) var<storage, read> stored_scattering: Scattering;
+var<private> scattering: Scattering;
+#else
+#ifdef STORED_CONSTANTS
 @group(2) @binding(1) var<storage, read> scattering: Scattering;
+#else
+@group(2) @binding(1) var<uniform> scattering: Scattering;
+#endif
+#endif
+@group(2) @binding(2) var<storage, read> scattered: array<vec4<f32>>;
 
 const PI: f32 = 3.14159265;
 
@@ -41,16 +51,26 @@ struct Scatterer {
     surface: f32,
 }
 
+// As `load_frame`.
+fn load_scattering() {
+#ifdef LOADED_CONSTANTS
+    scattering = stored_scattering;
+#endif
+}
+
 // A table at a position among its nodes.
 fn entry(table: vec4<f32>, position: f32) -> vec4<f32> {
     let place = clamp(position, 0.0, table.w - 1.0);
     let node = min(u32(place), u32(table.w) - 2u);
     let first = u32(table.z) + node;
-    return mix(scattering.entries[first], scattering.entries[first + 1u], place - f32(node));
+    return mix(scattered[first], scattered[first + 1u], place - f32(node));
 }
 
 // What a sample of a value is.
 fn scatterer_of(value: f32) -> Scatterer {
+    if scattering.surfaces.z == 0.0 {
+        return Scatterer(scattering.phase.z, 0.0);
+    }
     let table = scattering.properties;
     let found = entry(table, (value - table.x) * table.y);
     return Scatterer(select(found.x, scattering.phase.z, scattering.phase.w != 0.0), found.y);
@@ -96,7 +116,7 @@ fn phase_value(g: f32, mu: f32) -> vec3<f32> {
 }
 
 fn cosine_at(number: u32) -> f32 {
-    return scattering.entries[u32(scattering.cosines.x) + number].x;
+    return scattered[u32(scattering.cosines.x) + number].x;
 }
 
 // The density per steradian with which `phase_cosine` chooses directions.

@@ -16,8 +16,10 @@
 
 fn block_at(p: vec3<f32>) -> vec3<i32> {
     let last = vec3<i32>(frame.blocks.xyz) - 1;
-    let cell = vec3<i32>(max(floor(p), vec3<f32>(0.0)));
-    return min(cell / i32(frame.blocks.w), last);
+    // As floats, because processors divide integers one by one: the middle of a cell is far from where rounding
+    // could put it into the next block.
+    let middle = max(floor(p), vec3<f32>(0.0)) + 0.5;
+    return min(vec3<i32>(middle / f32(frame.blocks.w)), last);
 }
 
 // Steps from a position to the surface of the cube around its block that reaches `reach` blocks to

@@ -2,7 +2,11 @@
 // rays of the light and of the eye in segments of their own lengths, with a sample in each.
 #define_import_path pellucid::sweep
 
-#import pellucid::frame::frame
+#import pellucid::frame::{bounds, frame, load_frame}
+#import pellucid::light::Light
+#ifdef HARDWARE
+#import pellucid::field::linear
+#endif
 #import pellucid::ray::{FAR, nonzero, span_of}
 
 struct Sweep {
@@ -33,22 +37,35 @@ struct Sweep {
     scales: vec4<f32>,
     // Weights of direct light that is scattered into the cone.
     cone: vec4<f32>,
-    // Texels, slabs, the number of the light.
+    // Cosine and sine of the angle between two taps; one over the sides of the layers, in texels with their rims.
+    taps: vec4<f32>,
+    // Texels and slabs.
     size: vec4<u32>,
     // Taps of the blur; 1 if light loses nothing in the slab that it lights; 1 if direct light that becomes
     // indirect comes from matter alone, 2 if all of it does.
     counts: vec4<u32>,
+    // The light itself.
+    light: Light,
 }
 
-#ifdef STORED_CONSTANTS
-@group(0) @binding(17) var<storage, read> sweep: Sweep;
+#ifdef LOADED_CONSTANTS
+@group(0) @binding(17) var<storage, read> stored_sweep: Sweep;
+var<private> sweep: Sweep;
 #else
 @group(0) @binding(17) var<uniform> sweep: Sweep;
 #endif
 
-// What light has lost so far, layer after layer of texels: of indirect light in rgb, of direct light in a. Zeros
-// are light as it enters, which is also what is beside the picture.
-@group(0) @binding(18) var<storage, read_write> lost: array<vec4<f32>>;
+// As `load_frame`.
+fn load_sweep() {
+#ifdef LOADED_CONSTANTS
+    sweep = stored_sweep;
+#endif
+    load_frame();
+}
+
+// What light has lost so far, in layers of texels: of indirect light in rgb, of direct light in a. Zeros are light
+// as it enters, and so is the rim around the picture, a texel wide: nothing is lost beside it.
+@group(0) @binding(18) var lost: texture_2d_array<f32>;
 
 // Less of a slab is lost in the rounding of coordinates.
 const SHORTEST: f32 = 1e-6;
@@ -110,21 +127,42 @@ fn in_picture(p: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(vec2<f32>(dot(sweep.texel_x, here), dot(sweep.texel_y, here)) / depth, depth);
 }
 
+// The layer of light in front of a slab of a run, for passes that are told of it.
+fn layer_of(slab: u32) -> u32 {
+    let layer = bounds.core_low.w + slab - bounds.core_low.x;
+    return select(layer, layer - bounds.core_low.z, layer >= bounds.core_low.z);
+}
+
+// Four texels that a place lies between: the middle of the first, and the part of the way to the others.
+struct Between {
+    texel: vec2<i32>,
+    part: vec2<f32>,
+}
+
+fn between(place: vec2<f32>) -> Between {
+    let at = within_rim(place) - 0.5;
+    let corner = min(floor(at), vec2<f32>(sweep.size.xy) - 1.0);
+    return Between(vec2<i32>(corner), at - corner);
+}
+
+// Beyond the middles of the rim's texels nothing changes.
+fn within_rim(place: vec2<f32>) -> vec2<f32> {
+    return clamp(place, vec2<f32>(-0.5), vec2<f32>(sweep.size.xy) + 0.5);
+}
+
 fn loss_at(layer: u32, texel: vec2<i32>) -> vec4<f32> {
-    let size = vec2<i32>(sweep.size.xy);
-    let nearest = clamp(texel, vec2<i32>(0), size - 1);
-    let found = lost[(layer * sweep.size.y + u32(nearest.y)) * sweep.size.x + u32(nearest.x)];
-    return select(vec4<f32>(0.0), found, all(nearest == texel));
+    return textureLoad(lost, texel + 1, layer, 0);
 }
 
 // What is lost at a place of the light's picture, between the middles of four texels.
 fn loss(layer: u32, place: vec2<f32>) -> vec4<f32> {
-    // Beyond the texels beside the picture nothing changes.
-    let at = clamp(place - 0.5, vec2<f32>(-1.0), vec2<f32>(sweep.size.xy));
-    let corner = floor(at);
-    let part = at - corner;
-    let texel = vec2<i32>(corner);
-    let near = mix(loss_at(layer, texel), loss_at(layer, texel + vec2<i32>(1, 0)), part.x);
-    let far = mix(loss_at(layer, texel + vec2<i32>(0, 1)), loss_at(layer, texel + vec2<i32>(1, 1)), part.x);
-    return mix(near, far, part.y);
+#ifdef HARDWARE
+    return textureSampleLevel(lost, linear, (within_rim(place) + 1.0) * sweep.taps.zw, layer, 0.0);
+#else
+    let four = between(place);
+    let near = mix(loss_at(layer, four.texel), loss_at(layer, four.texel + vec2<i32>(1, 0)), four.part.x);
+    let far =
+        mix(loss_at(layer, four.texel + vec2<i32>(0, 1)), loss_at(layer, four.texel + vec2<i32>(1, 1)), four.part.x);
+    return mix(near, far, four.part.y);
+#endif
 }

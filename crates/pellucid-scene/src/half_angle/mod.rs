@@ -1,6 +1,7 @@
 //! Where light and eye meet the slabs of half-angle slicing (K-05, 6.1-3): what every backend sweeps over.
 
 mod light_frame;
+mod points;
 mod slabs;
 pub mod taps;
 
@@ -9,6 +10,7 @@ use pellucid_field::Grid;
 use pellucid_optics::{Light, LightKind, Material, OpticsError, ResolvedLight, Scattering};
 
 pub use light_frame::LightFrame;
+pub use points::LightPoints;
 pub use slabs::{Slabs, along_light, slice_axis};
 
 use crate::{HalfAngle, Stage, StageVolume};

@@ -1,0 +1,252 @@
+//! Light volumes (6.1-2, K-04): what is left of every light at the points of a grid, swept through the volume once, as
+//! in the CPU backend, and kept while neither lights nor what holds them back change.
+
+use std::sync::Arc;
+
+use bytemuck::bytes_of;
+use pellucid_optics::ResolvedLight;
+use pellucid_scene::half_angle::{Geometry, LightError, LightPoints};
+use pellucid_scene::{Control, HalfAngle, Region, Stage, StageVolume, TableError, Tables};
+use wgpu::{
+    BindGroup, BindingResource, CommandEncoder, CommandEncoderDescriptor, ComputePassDescriptor, Texture,
+    TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
+};
+
+use crate::bindings::Bindings;
+use crate::dispatch::dispatch;
+use crate::half_angle::{self, Layers, Sweep};
+use crate::optics::Optics;
+use crate::passes::PassBuffer;
+use crate::pipelines::{Pipeline, Pipelines};
+use crate::renderer::Drawing;
+use crate::resident::Resident;
+use crate::shaders::{Pass, Variant};
+use crate::texture::extent;
+use crate::uniforms;
+use crate::uploads::Uploads;
+use crate::{Device, GpuError};
+
+/// Slabs that light passes in a submission.
+const RUN: u32 = 16;
+
+/// The light of all lights in a volume, one behind the other in a texture.
+pub struct LightVolumes {
+    of: Settings,
+    /// Points across the last axis, of one light.
+    pub depth: usize,
+    /// The points.
+    pub points: TextureView,
+}
+
+/// What they depend on.
+#[derive(PartialEq)]
+struct Settings {
+    lights: Vec<ResolvedLight>,
+    region: Region,
+    resolution: f64,
+    drawing: Drawing,
+    tables: Same,
+}
+
+/// Tables that are the same if they are at the same place.
+struct Same(Arc<Tables>);
+
+impl PartialEq for Same {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// The most bytes that making and keeping the light volumes of a stage takes; 0 if it asks for none.
+///
+/// # Errors
+/// [`GpuError::Tables`] if there are too many points.
+pub fn bytes(stage: &Stage, volume: &StageVolume) -> Result<u64, GpuError> {
+    let Some(resolution) = stage.light_resolution(volume) else { return Ok(0) };
+    let points = LightPoints::new(volume.volume.grid(), resolution).map_err(TableError::from)?;
+    let side = points.texels + 1;
+    Ok(4 * (points.grid.len() * stage.lights.len()) as u64 + Layers::bytes([side; 2], RUN + 1))
+}
+
+impl LightVolumes {
+    /// Those that are there, if they are of this stage, or new ones; `None` if it asks for none.
+    ///
+    /// # Errors
+    /// As [`LightVolumes::new`].
+    pub fn kept<'l>(
+        slot: &'l mut Option<Self>,
+        device: &Device,
+        pipelines: &mut Pipelines,
+        resident: &mut Resident,
+        (stage, volume, tables): (&Stage, &StageVolume, &Arc<Tables>),
+        drawing: Drawing,
+        control: &Control,
+    ) -> Result<Option<&'l Self>, GpuError> {
+        let Some(resolution) = stage.light_resolution(volume) else {
+            *slot = None;
+            return Ok(None);
+        };
+        let (lights, region) = (stage.lights.clone(), stage.region(volume));
+        let of = Settings { lights, region, resolution, drawing, tables: Same(tables.clone()) };
+        // The old ones go first.
+        slot.take_if(|kept| kept.of != of);
+        if slot.is_none() {
+            *slot = Some(Self::new(device, pipelines, resident, (stage, volume), of, control)?);
+        }
+        Ok(slot.as_ref())
+    }
+
+    /// Sweeps all lights through the volume.
+    ///
+    /// # Errors
+    /// [`GpuError::Light`] if one stands in the volume, [`GpuError::Budget`] if a texture has not so many points,
+    /// [`GpuError::Cancelled`], or what the device reports.
+    fn new(
+        device: &Device,
+        pipelines: &mut Pipelines,
+        resident: &mut Resident,
+        (stage, volume): (&Stage, &StageVolume),
+        of: Settings,
+        control: &Control,
+    ) -> Result<Self, GpuError> {
+        let optics = Optics::of_light(stage, volume, &of.tables.0);
+        let uploads = Uploads::new(device, &of.tables.0, &optics);
+        let LightPoints { grid: points, texels, .. } =
+            LightPoints::new(volume.volume.grid(), of.resolution).map_err(TableError::from)?;
+        let texture = create(device, points.dims(), of.lights.len())?;
+        let view = texture.create_view(&Default::default());
+        let interpolation = half_angle::interpolation(device, of.drawing);
+        let bindings = Bindings::new(device, resident, (stage, volume), (&optics, &uploads), interpolation, |_| ());
+        let variant = |pass| Variant { pass, skip: optics.blocks.is_some(), ..bindings.variant };
+        let [advance, fill] =
+            [Pass::HalfAngleLight, Pass::LightPoints].map(|pass| pipelines.get(device, variant(pass)).cloned());
+        let (advance, fill) = (advance?, fill?);
+        let brick = resident.bricks[0];
+        let textures = resident.textures(device, &brick, control)?;
+        let sweeper = Sweeper {
+            device,
+            volume: bindings.volume_group(&advance.groups[1], &textures),
+            bindings,
+            advance,
+            fill,
+            points: &view,
+            dims: points.dims().map(|n| n as u32),
+        };
+        let direct = HalfAngle { indirect: 0.0, ..HalfAngle::default() };
+        for (number, light) in of.lights.iter().enumerate() {
+            let geometry = Geometry::of_light(stage.step, volume.volume.grid(), light, texels)
+                .ok_or(LightError::Inside { light: number })?;
+            sweeper.sweep((stage, volume, &direct), &geometry, (number, light), control)?;
+        }
+        Ok(Self { of, depth: points.dims()[2], points: view })
+    }
+}
+
+/// A texture of points, one light behind the other.
+fn create(device: &Device, [width, height, depth]: [usize; 3], lights: usize) -> Result<Texture, GpuError> {
+    let dims = [width, height, depth * lights];
+    let most = device.capabilities.limits.max_texture_dimension_3d as usize;
+    if dims.into_iter().any(|points| points > most) {
+        let what = format!("the light volume with {width} x {height} x {depth} points for each of {lights} lights");
+        let (needed, budget) = (4 * dims.into_iter().max().unwrap_or(0) as u64, 4 * most as u64);
+        let advice = "lower lighting.shadows.volume.resolution";
+        return Err(GpuError::Budget { what, needed, budget, advice });
+    }
+    Ok(device.device.create_texture(&TextureDescriptor {
+        label: Some("light volume"),
+        size: extent(dims),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D3,
+        format: TextureFormat::R32Float,
+        usage: TextureUsages::TEXTURE_BINDING | TextureUsages::STORAGE_BINDING,
+        view_formats: &[],
+    }))
+}
+
+/// What lights are swept with.
+struct Sweeper<'a> {
+    device: &'a Device,
+    bindings: Bindings<'a>,
+    volume: BindGroup,
+    advance: Pipeline,
+    fill: Pipeline,
+    points: &'a TextureView,
+    dims: [u32; 3],
+}
+
+impl Sweeper<'_> {
+    fn sweep(
+        &self,
+        (stage, volume, settings): (&Stage, &StageVolume, &HalfAngle),
+        geometry: &Geometry,
+        (number, light): (usize, &ResolvedLight),
+        control: &Control,
+    ) -> Result<(), GpuError> {
+        let size = geometry.frame.size.map(|n| n as u32);
+        let numbers = Sweep::new((stage, volume), settings, geometry, (light, 1), Layers::sides(size));
+        let numbers = self.device.constant_buffer("sweep", bytes_of(&numbers));
+        let slabs = geometry.slabs.count as u32;
+        let (run, runs) = (RUN.min(slabs), slabs.div_ceil(RUN));
+        let count = run + 1;
+        let mut slot = None;
+        let layers = Layers::kept(&mut slot, self.device, size, count);
+        let pass = |slab| uniforms::Pass {
+            rows: [slab, 0, 0, 0],
+            core_high: [size[0], size[1], 0, 0],
+            ..uniforms::Pass::default()
+        };
+        let [nx, ny, nz] = self.dims;
+        let filled = |run: u32| uniforms::Pass {
+            rows: [number as u32 * nz, 0, 0, 0],
+            core_low: [run * RUN, slabs.min((run + 1) * RUN), count, run * RUN % count],
+            core_high: [nx, ny, nz, 0],
+            ..uniforms::Pass::default()
+        };
+        let passes = PassBuffer::new(self.device, (0..slabs).map(pass).chain((0..runs).map(filled)));
+        let numbers = (17, numbers.as_entire_binding());
+        let texture = |binding, view| (binding, BindingResource::TextureView(view));
+        let advance = |layer: u32| {
+            let [before, _] = &layers.each[layer as usize];
+            let [_, behind] = &layers.each[((layer + 1) % count) as usize];
+            let own = [numbers.clone(), texture(18, before), texture(21, behind)];
+            self.bindings.frame_group(&self.advance.groups[0], &passes, &own)
+        };
+        let advance: Vec<_> = (0..count).map(advance).collect();
+        let own = [numbers.clone(), texture(18, &layers.all), texture(23, self.points)];
+        let fill = self.bindings.frame_group(&self.fill.groups[0], &passes, &own);
+        let [light_table, fill_table] = [&self.advance, &self.fill]
+            .map(|pipeline| self.bindings.table_group(&pipeline.groups[2], &pipeline.variant));
+        for run in 0..runs {
+            if control.is_cancelled() {
+                return Err(GpuError::Cancelled);
+            }
+            let descriptor = CommandEncoderDescriptor { label: Some("light volume") };
+            let mut encoder = self.device.device.create_command_encoder(&descriptor);
+            if run == 0 {
+                layers.clear(&mut encoder);
+            }
+            for slab in run * RUN..slabs.min((run + 1) * RUN) {
+                let groups = [&advance[(slab % count) as usize], &self.volume, &light_table];
+                dispatch(&mut encoder, &self.advance.pipeline, &groups, passes.offset(slab as usize), size, None);
+            }
+            let offset = passes.offset((slabs + run) as usize);
+            self.fill(&mut encoder, [&fill, &self.volume, &fill_table], offset);
+            self.device.queue.submit([encoder.finish()]);
+            self.device.wait()?;
+        }
+        Ok(())
+    }
+
+    /// Adds a pass over all points.
+    fn fill(&self, encoder: &mut CommandEncoder, groups: [&BindGroup; 3], offset: u32) {
+        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
+        pass.set_pipeline(&self.fill.pipeline);
+        for (number, group) in groups.into_iter().enumerate() {
+            let offsets: &[u32] = if number == 0 { &[offset] } else { &[] };
+            pass.set_bind_group(number as u32, group, offsets);
+        }
+        let [nx, ny, nz] = self.dims;
+        pass.dispatch_workgroups(nx.div_ceil(8), ny.div_ceil(8), nz);
+    }
+}
