@@ -280,7 +280,7 @@ impl GpuRenderer {
         let drawing = match &stage.technique {
             Technique::PathTrace(settings) => {
                 let majorants = self.tables.majorants(&tables, volume, settings.majorants)?;
-                let (what, optics) = ((stage, volume, settings), (optics.0, optics.1, &majorants));
+                let (what, optics) = ((stage, volume, settings), (optics.0, optics.1, &*majorants));
                 let tracer = PathTracer::new(device, &mut self.pipelines, resident, what, optics, self.drawing);
                 let (mut tracer, drawing) = (tracer?, Instant::now());
                 tracer.draw(&mut self.reused, control, frame)?;

@@ -1,59 +1,72 @@
 //! Bounds of the extinction in blocks of the data, for paths that look for their next collision.
 
-use pellucid_field::{Blocks, distances};
-use pellucid_optics::{Variation, Visibility, path_extinction};
+use std::sync::Arc;
+
+use pellucid_field::{Blocks, Leaps};
+use pellucid_optics::ExtinctionBounds;
 
 use crate::{Majorants, StageVolume, TableCache, TableError, Tables};
 
-/// The largest extinction in every block.
+/// The least and the largest extinction in every block.
 #[derive(Clone, Debug)]
 pub struct MajorantGrid {
-    /// Blocks per axis.
-    pub dims: [usize; 3],
-    /// Cells of the data along a side of a block.
+    /// Cells of the data along a side of a block; infinite if there is only one.
     pub size: f32,
     /// Per world unit, x fastest.
-    pub values: Vec<f32>,
-    /// How many blocks away the next one is where there is extinction; 0 if there is some in the block.
-    pub distances: Vec<u8>,
+    pub bounds: Vec<[f32; 2]>,
+    /// How far it is to the next block where there is extinction.
+    pub leaps: Leaps,
 }
 
 impl MajorantGrid {
-    /// Those of blocks, or one that bounds everything if nothing is known of blocks, where opacities hold for
-    /// `unit_distance` world units; `factor` is the most by which the extinction of a value varies.
-    fn new(blocks: Option<&Blocks>, visibility: &Visibility, unit_distance: f64, factor: f32) -> Self {
-        let bound = |low, high| path_extinction(visibility.max_opacity(low, high), unit_distance) * factor;
-        let Some(blocks) = blocks else {
-            let values = vec![bound(f32::MIN, f32::MAX)];
-            return Self { dims: [1; 3], size: f32::INFINITY, values, distances: vec![0] };
+    /// Those of blocks, or one that bounds everything if nothing is known of blocks. Extinctions vary by
+    /// `factors`; where some values are absent, there may be none anywhere.
+    fn new(blocks: Option<&Blocks>, extinctions: &ExtinctionBounds, factors: [f32; 2], is_whole: bool) -> Self {
+        let bound = |low, high| {
+            let [least, most] = extinctions.over(low, high);
+            [if is_whole { least * factors[0] } else { 0.0 }, most * factors[1]]
         };
         let of_block = |&range: &[f32; 2]| {
             let [low, high] = Blocks::interpolated(range);
-            if range == Blocks::ABSENT { 0.0 } else { bound(low, high) }
+            if range == Blocks::ABSENT { [0.0; 2] } else { bound(low, high) }
         };
-        let values: Vec<f32> = blocks.ranges().iter().map(of_block).collect();
-        let distances = distances(blocks.dims(), |block| values[block] > 0.0);
-        Self { dims: blocks.dims(), size: blocks.size() as f32, values, distances }
+        let (dims, size, bounds) = match blocks {
+            Some(blocks) => (blocks.dims(), blocks.size() as f32, blocks.ranges().iter().map(of_block).collect()),
+            None => ([1; 3], f32::INFINITY, vec![bound(f32::MIN, f32::MAX)]),
+        };
+        let leaps = Leaps::new(dims, |block| bounds[block][1] > 0.0);
+        Self { size, bounds, leaps }
     }
 }
 
 impl TableCache {
-    /// Bounds of the extinction of a volume, for whose tables they are.
+    /// Bounds of the extinction of a volume, for whose tables they are: the last ones, if they are of these tables.
     ///
     /// # Errors
     /// [`TableError::Field`] if there is no such component.
     pub fn majorants(
         &mut self,
-        tables: &Tables,
+        tables: &Arc<Tables>,
         volume: &StageVolume,
         bounds: Majorants,
-    ) -> Result<MajorantGrid, TableError> {
+    ) -> Result<Arc<MajorantGrid>, TableError> {
+        if let Some((of, kept, majorants)) = &self.majorants
+            && Arc::ptr_eq(of, tables)
+            && *kept == bounds
+        {
+            return Ok(majorants.clone());
+        }
         let ranges = match bounds {
             Majorants::Local => self.fine_ranges(tables)?,
             Majorants::Global => None,
         };
-        let visibility = Visibility::of_table(&tables.table);
-        let most = tables.variation.as_ref().map_or(1.0, Variation::most_extinction);
-        Ok(MajorantGrid::new(ranges.as_deref(), &visibility, volume.unit_distance(), most))
+        let extinctions = ExtinctionBounds::new(&tables.table, volume.unit_distance());
+        let variation = tables.variation.as_ref();
+        let factors = variation.map_or([1.0; 2], |v| [v.least_extinction(), v.most_extinction()]);
+        let statistics = tables.field.statistics();
+        let is_whole = statistics.nan + statistics.infinite == 0;
+        let majorants = Arc::new(MajorantGrid::new(ranges.as_deref(), &extinctions, factors, is_whole));
+        self.majorants = Some((tables.clone(), bounds, majorants.clone()));
+        Ok(majorants)
     }
 }

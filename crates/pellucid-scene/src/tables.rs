@@ -12,7 +12,7 @@ use pellucid_optics::{
 use crate::blocks::{BlockContent, BlockMap};
 use crate::light_tables::LightTables;
 use crate::strides;
-use crate::{Classification, Combine, Mode, Quality, Slice, Stage, StageVolume};
+use crate::{Classification, Combine, MajorantGrid, Majorants, Mode, Quality, Slice, Stage, StageVolume};
 
 /// Why the tables of a stage cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -37,6 +37,7 @@ pub struct TableCache {
     coefficients: Option<(Arc<Volume>, usize, Arc<Volume>)>,
     noise: Option<(u32, Arc<Noise>)>,
     tables: Option<(Settings, Arc<Tables>)>,
+    pub(crate) majorants: Option<(Arc<Tables>, Majorants, Arc<MajorantGrid>)>,
 }
 
 /// Blocks and what they are of.
@@ -83,6 +84,7 @@ impl TableCache {
             coefficients: None,
             noise: None,
             tables: None,
+            majorants: None,
         }
     }
 

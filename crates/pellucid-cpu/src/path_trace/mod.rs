@@ -14,6 +14,8 @@ mod medium;
 mod path;
 mod pixel;
 mod random;
+mod sights;
+mod space;
 mod values;
 mod vertex;
 
@@ -30,8 +32,10 @@ use crate::tiles::Tile;
 pub use denoise::denoised;
 use extinction::Extinctions;
 use lens::Lens;
-use medium::{Medium, Space};
+use medium::Medium;
 use path::World;
+use sights::Sights;
+use space::Space;
 use values::{Any, Perturbed, Trilinear, Values};
 
 /// A stage, made ready for its paths.
@@ -41,7 +45,7 @@ pub struct PathTracer<'s> {
     settings: &'s PathTrace,
     region: Region,
     tables: Arc<Tables>,
-    majorants: MajorantGrid,
+    majorants: Arc<MajorantGrid>,
     sky: Option<Sky>,
 }
 
@@ -123,6 +127,7 @@ impl<'s> PathTracer<'s> {
         }
         Box::new(Paths {
             lens: Lens::new(&self.stage.viewpoint, self.settings),
+            sights: Sights::new(&self.stage.viewpoint, grid, &self.majorants, self.settings),
             width: self.stage.viewpoint.width,
             seeds: [self.settings.seed, seed],
             world: World {
@@ -149,6 +154,8 @@ impl<'s> PathTracer<'s> {
 struct Paths<'a, F> {
     world: World<'a, F>,
     lens: Lens,
+    /// If something is known of all rays of a pixel.
+    sights: Option<Sights>,
     /// Of the picture.
     width: usize,
     seeds: [u32; 2],

@@ -4,8 +4,9 @@ use glam::Vec3;
 use pellucid_optics::{Material, PhaseNormalization, Reflection, ResolvedLight, Scatterer, Scattering, Sky, Table};
 use pellucid_scene::{PathTrace, Ray};
 
-use super::medium::{Flight, Medium};
+use super::medium::Medium;
 use super::random::Random;
+use super::space::Flight;
 use super::values::Values;
 use super::vertex::{Vertex, scale};
 use crate::field::{Moved, Probe};
@@ -43,10 +44,10 @@ pub struct Found {
 }
 
 impl<F: Values> World<'_, F> {
-    /// Follows a ray from the eye to where its light came from.
-    pub fn follow(&self, ray: &Ray, random: &mut Random) -> Found {
+    /// Follows a ray from the eye to where its light came from, of which there is some only between two distances.
+    pub fn follow(&self, ray: &Ray, between: [f64; 2], random: &mut Random) -> Found {
         let mut found = Found { met: false, radiance: [0.0; 3], depth: f32::INFINITY, looks: 0 };
-        let Some((entry, mut flight)) = self.medium.space.enter(ray) else { return found };
+        let Some((entry, mut flight)) = self.medium.space.enter(ray, between) else { return found };
         found.met = true;
         let mut forward = ray.direction.as_vec3();
         let mut throughput = [1.0; 3];

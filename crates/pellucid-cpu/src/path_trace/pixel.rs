@@ -4,6 +4,7 @@ use pellucid_optics::luminance;
 use pellucid_scene::Control;
 
 use super::random::Random;
+use super::sights::Sight;
 use super::values::Values;
 use super::{Draw, Paths};
 use crate::RenderError;
@@ -76,6 +77,15 @@ impl<F: Values> Paths<'_, F> {
     /// Draws a pixel. `depths` is memory to use.
     fn pixel(&self, x: usize, y: usize, depths: &mut Vec<f32>, control: &Control) -> Result<Pixel, RenderError> {
         let settings = self.world.settings;
+        let between = match self.sights.as_ref().map(|sights| sights.of_pixel(x, y)) {
+            None => [0.0, f64::INFINITY],
+            Some(Sight::Between(between)) => between,
+            Some(Sight::Nowhere(met)) => {
+                // The middle ray was cast for all of them.
+                let found = Found { color: [0.0; 4], depth: f32::INFINITY, normal: [0.0; 3], samples: 0 };
+                return Ok(Pixel { found, noise: 0.0, paths: 1, met: u32::from(met), collided: 0 });
+            }
+        };
         let (mut radiance, mut met, mut collided, mut looks) = ([0.0f64; 3], 0u32, 0u32, 0u32);
         let mut brightness = Welford::default();
         depths.clear();
@@ -85,7 +95,7 @@ impl<F: Values> Paths<'_, F> {
             }
             let mut random = Random::new(self.seeds, y * self.width + x, sample);
             let ray = self.lens.ray(x, y, &mut random);
-            let found = self.world.follow(&ray, &mut random);
+            let found = self.world.follow(&ray, between, &mut random);
             for channel in 0..3 {
                 radiance[channel] += f64::from(found.radiance[channel]);
             }

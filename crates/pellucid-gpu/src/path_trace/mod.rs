@@ -71,9 +71,10 @@ impl<'a> PathTracer<'a> {
         let pixels = pipelines.get(device, Variant { pass: Pass::PathTracePixels, ..bindings.variant })?.clone();
         let grid = volume.volume.grid();
         let numbers = Paths::new(stage, grid, settings, majorants)?;
-        let pairs = majorants.values.iter().zip(&majorants.distances);
-        let blocks: Vec<[f32; 2]> =
-            pairs.map(|(extinction, distance)| [extinction * stage.step as f32, f32::from(*distance)]).collect();
+        let number = |(block, &[_, most]): (usize, &[f32; 2])| {
+            [most * stage.step as f32, f32::from(majorants.leaps.distance(block))]
+        };
+        let blocks: Vec<[f32; 2]> = majorants.bounds.iter().enumerate().map(number).collect();
         Ok(Self {
             numbers: device.constant_buffer("paths", bytes_of(&numbers)),
             majorants: storage(device, "majorants", &blocks),

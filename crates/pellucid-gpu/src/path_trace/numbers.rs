@@ -44,7 +44,7 @@ impl Paths {
             Jitter::BlueNoise { seed } => seed.wrapping_add(1),
         };
         let focus = settings.focus.unwrap_or_else(|| (view.target - view.eye).dot(view.forward));
-        let [x, y, z] = majorants.dims.map(|n| n as u32);
+        let [x, y, z] = majorants.leaps.dims().map(|n| n as u32);
         let in_steps = |length: f64| (length / stage.step) as f32;
         // A single block is as large as anything.
         let size = majorants.size.min(1e9);

@@ -1,0 +1,113 @@
+//! Where the medium is: the box of its grid, and what clips leave of it.
+
+use glam::{Affine3A, DVec3, Vec3};
+use pellucid_field::Grid;
+use pellucid_scene::{Ray, Region};
+
+/// A straight way through the medium, in index space.
+#[derive(Clone, Copy)]
+pub struct Flight {
+    /// Where it starts.
+    pub origin: Vec3,
+    /// Index steps per world unit.
+    pub direction: Vec3,
+    /// Its length in world units.
+    pub length: f32,
+}
+
+impl Flight {
+    /// The position after so many world units.
+    #[inline(always)]
+    pub fn at(&self, distance: f32) -> Vec3 {
+        self.origin + self.direction * distance
+    }
+}
+
+/// The box and the clips that bound the medium.
+pub struct Space<'a> {
+    grid: &'a Grid,
+    region: &'a Region,
+    low: Vec3,
+    high: Vec3,
+    index_from_world: Affine3A,
+    world_from_index: Affine3A,
+    /// Half-spaces `normal . p >= offset` in index space.
+    planes: Vec<(Vec3, f32)>,
+}
+
+impl<'a> Space<'a> {
+    /// What clips leave of a grid.
+    pub fn new(grid: &'a Grid, region: &'a Region) -> Self {
+        let (low, high) = grid.index_bounds();
+        let world = grid.world_from_index();
+        let plane = |&(normal, offset): &(DVec3, f64)| {
+            ((world.matrix3.transpose() * normal).as_vec3(), (offset - normal.dot(world.translation)) as f32)
+        };
+        Self {
+            grid,
+            region,
+            low: low.as_vec3(),
+            high: high.as_vec3(),
+            index_from_world: grid.index_from_world().as_affine3a(),
+            world_from_index: world.as_affine3a(),
+            planes: region.half_spaces().iter().map(plane).collect(),
+        }
+    }
+
+    /// The part of a ray inside, of what is between two distances, and how far from its origin it begins.
+    pub fn enter(&self, ray: &Ray, between: [f64; 2]) -> Option<(f64, Flight)> {
+        let (low, high) = self.grid.index_bounds();
+        let from_world = self.grid.index_from_world();
+        let origin = from_world.transform_point3(ray.origin);
+        let direction = from_world.transform_vector3(ray.direction);
+        let [mut t0, mut t1] = between;
+        for axis in 0..3 {
+            let inverse = direction[axis].recip();
+            if !inverse.is_finite() {
+                if !(low[axis]..=high[axis]).contains(&origin[axis]) {
+                    return None;
+                }
+                continue;
+            }
+            let (near, far) = ((low[axis] - origin[axis]) * inverse, (high[axis] - origin[axis]) * inverse);
+            (t0, t1) = (t0.max(near.min(far)), t1.min(near.max(far)));
+        }
+        let (t0, t1) = self.region.interval(ray, t0, t1)?;
+        let entry = (origin + direction * t0).as_vec3();
+        (t0 < t1).then_some((t0, Flight { origin: entry, direction: direction.as_vec3(), length: (t1 - t0) as f32 }))
+    }
+
+    /// The way from a position inside, along a unit vector of the world, to where the medium ends or to
+    /// `most` world units.
+    #[inline]
+    pub fn leave(&self, origin: Vec3, direction: Vec3, most: f32) -> Flight {
+        let direction = self.index_from_world.transform_vector3(direction);
+        let sides = Vec3::select(direction.cmpgt(Vec3::ZERO), self.high, self.low);
+        // A position on a side, by rounding beyond it, has no way left there; along a side there is no end.
+        let exits = ((sides - origin) / direction).max(Vec3::ZERO);
+        let mut length = Vec3::select(direction.cmpeq(Vec3::ZERO), Vec3::INFINITY, exits).min_element().min(most);
+        for (normal, offset) in &self.planes {
+            let slope = normal.dot(direction);
+            if slope < 0.0 {
+                length = length.min(((normal.dot(origin) - offset) / -slope).max(0.0));
+            }
+        }
+        Flight { origin, direction, length }
+    }
+
+    /// The mean distance of voxels in world units.
+    pub fn voxel(&self) -> f32 {
+        self.grid.mean_spacing() as f32
+    }
+
+    /// A position of the world in index space.
+    pub fn index(&self, world: DVec3) -> DVec3 {
+        self.grid.index_from_world().transform_point3(world)
+    }
+
+    /// A position in the world.
+    #[inline]
+    pub fn world(&self, index: Vec3) -> Vec3 {
+        self.world_from_index.transform_point3(index)
+    }
+}
