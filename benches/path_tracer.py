@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """pellucid's path tracer beside Mitsuba 3's `volpath` on one sparse cloud: paths per second, and noise at equal paths.
 
-    path_tracer.py [--pellucid PATH] [--size 256] [--samples 16] [--density 40] [--variant llvm_ad_rgb] [--threads 2] [--folder DIR]
+    path_tracer.py [--pellucid PATH] [--size 256] [--samples 16] [--density 40] [--rounds 2] [--variant llvm_ad_rgb | none] [--threads 2]
+                   [--folder DIR]
 
 The cloud is made here: 128^3 single precision, extinction linear in the value, so that both programs interpolate the same
 medium. One directional light of irradiance pi, a constant sky, Henyey-Greenstein, at most 64 scatterings. Seconds are those
 of the processor over all threads, which other programs on the machine disturb less than the clock; Mitsuba's are of its
-second picture, when its kernels are compiled. Efficiency is 1 / (variance of a pixel x seconds), from two pictures with
-different seeds.
+second picture, when its kernels are compiled. Efficiency is 1 / (variance of a pixel x seconds), from pictures with
+different seeds; seconds are the least of them. Local and global majorants are drawn in turns, as often as `--rounds` says.
 
 Runs with a Python that has numpy and mitsuba (pip install numpy mitsuba; the llvm variants also need LLVM's library).
 """
@@ -24,7 +25,8 @@ parser.add_argument('--pellucid', default=ROOT / 'target/release/pellucid')
 parser.add_argument('--size', type=int, default=256)
 parser.add_argument('--samples', type=int, default=16)
 parser.add_argument('--density', type=float, default=40.0, help='optical depth of the box, if it were full')
-parser.add_argument('--variant', default='llvm_ad_rgb')
+parser.add_argument('--rounds', type=int, default=2, help='pictures of each kind, at least 2')
+parser.add_argument('--variant', default='llvm_ad_rgb', help='of Mitsuba; none leaves it out')
 parser.add_argument('--threads', type=int, default=os.cpu_count())
 parser.add_argument('--folder', type=pathlib.Path, default=pathlib.Path(tempfile.gettempdir()) / 'pellucid-path-tracer')
 args = parser.parse_args()
@@ -32,7 +34,7 @@ args.folder.mkdir(parents=True, exist_ok=True)
 
 import mitsuba as mi
 
-mi.set_variant(args.variant)
+mi.set_variant('scalar_rgb' if args.variant == 'none' else args.variant)
 
 
 def cloud():
@@ -121,13 +123,14 @@ def mitsuba(scene, seed):
 
 
 def row(name, pictures):
-    """Two pictures with their seconds as a line of the table."""
-    (first, _), (second, _) = pictures
+    """Pictures with their seconds as a line of the table; and their efficiency."""
     seconds = min(seconds for _, seconds in pictures)
-    variance = float(((first - second)**2).mean() / 2)
+    stack = np.array([picture for picture, _ in pictures])
+    variance = float(stack.var(axis=0, ddof=1).mean())
     rate = args.size**2 * args.samples / seconds
-    mean = (first.mean() + second.mean()) / 2
-    print(f'| {name} | {mean:.5f} | {seconds:.2f} | {rate:.0f} | {variance:.5f} | {1 / (variance * seconds):.1f} |', flush=True)
+    efficiency = 1 / (variance * seconds)
+    print(f'| {name} | {stack.mean():.5f} | {seconds:.2f} | {rate:.0f} | {variance:.6f} | {efficiency:.1f} |', flush=True)
+    return efficiency
 
 
 field = cloud()
@@ -137,10 +140,12 @@ print('| program | mean | processor s | paths / processor s | variance | efficie
 print('|---|---|---|---|---|---|')
 # What starting and loading takes is not drawing.
 _, start = pellucid(1, 0)
-for majorants in ['local', 'global']:
-    drawn = [pellucid(args.samples, seed, majorants) for seed in [1, 2]]
-    row(f'pellucid, {majorants} majorants', drawn)
+kinds = ['local', 'global']
+drawn = [[pellucid(args.samples, seed, kind) for kind in kinds] for seed in range(1, args.rounds + 1)]
+local, whole = [row(f'pellucid, {kind} majorants', pictures) for kind, pictures in zip(kinds, zip(*drawn))]
+print(f'\nlocal majorants are {local / whole:.2f} times as efficient as one')
 print(f'\n(of pellucid\'s seconds, up to {start:.2f} are starting, loading and one path a pixel)\n')
-scene = mitsuba_scene(field)
-mitsuba(scene, 0)
-row(f'Mitsuba {mi.__version__} {args.variant}', [mitsuba(scene, seed) for seed in [1, 2]])
+if args.variant != 'none':
+    scene = mitsuba_scene(field)
+    mitsuba(scene, 0)
+    row(f'Mitsuba {mi.__version__} {args.variant}', [mitsuba(scene, seed) for seed in range(1, args.rounds + 1)])
