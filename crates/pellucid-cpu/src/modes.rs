@@ -258,7 +258,7 @@ impl Prepared<'_> {
         let world_from_index = self.grid().world_from_index();
         let surface =
             Surface::new(material.unwrap_or_default(), weight, &stage.lights, stage.ambient, world_from_index);
-        let surface = surface.shadowed(self.shadow(s, sampler, lights));
+        let surface = surface.shadowed(self.shadow(s, sampler, lights), stage.shadow_chroma(self.volume));
         Some(match scatter {
             Some(scatter) => surface.scattering(scatter),
             None => surface,
@@ -287,7 +287,10 @@ impl Prepared<'_> {
                 let away = self.stage.shadow_offset(self.volume, shadows.length) as f32;
                 Box::new(Surfaces { s, field, levels: self.levels(isosurface), ways, away, skip })
             }
-            _ => Box::new(Media { field, table: Lookup::of_steps(&shadows.table), ways, skip, varied: self.varied() }),
+            _ => {
+                let (table, varied) = (Lookup::of_steps(&shadows.table), self.varied());
+                Box::new(Media { field, table, ways, skip, varied, dark: self.stage.shadow_dark(self.volume) })
+            }
         })
     }
 

@@ -61,6 +61,8 @@ pub struct Surface<'a, S> {
     local: Vec<(usize, &'a ResolvedLight)>,
     /// What holds their light back on its way, if anything does.
     shadow: Option<Box<dyn Shadow<S> + 'a>>,
+    /// Factors of the extinction there for each colour, if not all of them are 1 (K-13).
+    chroma: Option<[f32; 3]>,
     world_from_index: DAffine3,
 }
 
@@ -124,13 +126,14 @@ impl<'a, S: Lanes> Surface<'a, S> {
             directional: prepared.iter().map(|(number, light)| (*number, light.incident(GlamVec3::ZERO))).collect(),
             local: more.iter().copied().chain(somewhere).collect(),
             shadow: None,
+            chroma: None,
             world_from_index,
         }
     }
 
-    /// The same, in the shadow of what holds light back.
-    pub fn shadowed(self, shadow: Option<Box<dyn Shadow<S> + 'a>>) -> Self {
-        Self { shadow, ..self }
+    /// The same, in the shadow of what holds light back, each colour of it by its factor of the extinction.
+    pub fn shadowed(self, shadow: Option<Box<dyn Shadow<S> + 'a>>, chroma: Option<[f32; 3]>) -> Self {
+        Self { shadow, chroma, ..self }
     }
 
     /// The same lights on samples that scatter them.
@@ -164,13 +167,21 @@ impl<'a, S: Lanes> Surface<'a, S> {
             gradient,
             #[inline(always)]
             |light| match &self.shadow {
-                Some(shadow) => shadow.through(s, light, &sample.index, sample.lanes),
-                None => splat(s, 1.0),
+                Some(shadow) => self.each_color(s, shadow.through(s, light, &sample.index, sample.lanes)),
+                None => [splat(s, 1.0); 3],
             },
         )
     }
 
-    /// Lights samples, where `through` says what share of a light, by its number, arrives. Colours are
+    /// What gets through of each colour where the extinction itself lets a share through: `T^f = exp(-f tau)`.
+    #[inline(always)]
+    fn each_color(&self, s: S, through: F32<S>) -> [F32<S>; 3] {
+        let Some(factors) = self.chroma else { return [through; 3] };
+        // What is not held back at all passes what lets nothing else through.
+        xyz!(C => if factors[C] == 0.0 { splat(s, 1.0) } else { power(s, through, splat(s, factors[C])) })
+    }
+
+    /// Lights samples, where `through` says what share of each colour of a light, by its number, arrives. Colours are
     /// associated and stay so: light is weighted by the sample's opacity, or transparent samples would glow
     /// (5.4-1). The vectors' form of [`blinn_phong`](pellucid_optics::blinn_phong), which defines it, and
     /// of `C = E ((1 - S) P + S f)` for samples that scatter (K-10, K-11).
@@ -181,7 +192,7 @@ impl<'a, S: Lanes> Surface<'a, S> {
         sample: &Unlit<S>,
         aim: &Aim<S>,
         gradient: impl FnOnce() -> Vec3<S>,
-        through: impl Fn(usize) -> F32<S>,
+        through: impl Fn(usize) -> [F32<S>; 3],
     ) -> [F32<S>; 4] {
         let (material, zero, one) = (&self.material, splat(s, 0.0), splat(s, 1.0));
         let Unlit { rgba, value, index, lanes } = *sample;
@@ -209,7 +220,7 @@ impl<'a, S: Lanes> Surface<'a, S> {
         for ((number, light), (halfway, weight)) in self.directional.iter().zip(aim.halfway.iter().zip(&aim.weight)) {
             let through = through(*number);
             let to_light = xyz!(I => splat(s, light.to_light[I]));
-            let radiance = xyz!(I => through * light.radiance[I]);
+            let radiance = xyz!(C => through[C] * light.radiance[C]);
             let light = IncidentLanes { to_light, radiance, specular: light.specular };
             if has_surface {
                 self.reflect(s, &mut reflected, &light, &normal, halfway);
@@ -225,7 +236,7 @@ impl<'a, S: Lanes> Surface<'a, S> {
         for (number, light) in &self.local {
             let through = through(*number);
             let IncidentLanes { to_light, radiance, specular } = self.incident(s, light, &index, lanes);
-            let light = IncidentLanes::<S> { to_light, radiance: xyz!(C => radiance[C] * through), specular };
+            let light = IncidentLanes::<S> { to_light, radiance: xyz!(C => radiance[C] * through[C]), specular };
             if has_surface {
                 let halfway = normalized(s, xyz!(I => light.to_light[I] + aim.to_eye[I]));
                 self.reflect(s, &mut reflected, &light, &normal, &halfway);

@@ -7,8 +7,8 @@ use glam::DVec3;
 use pellucid_cpu::{CpuRenderer, RenderError};
 use pellucid_field::Volume;
 use pellucid_optics::{
-    Light, LightKind, LightModel, Phase, PhaseNormalization, Scattering, ShadowRays, ShadowVolume, Shadows,
-    TransferFunction,
+    Color, ColorSpace, Light, LightKind, LightModel, Phase, PhaseNormalization, Scattering, ShadowRays, ShadowVolume,
+    Shadows, TransferFunction,
 };
 use pellucid_scene::half_angle::LightError;
 use pellucid_scene::{Classification, Control, Isosurface, Isovalue, Mode, Orbit, Projection, Scene, Stage, View};
@@ -41,6 +41,10 @@ fn lit(scene: &mut Scene, shadows: Shadows) {
 
 /// The light on the plate and the distance from the shadow's middle, for every pixel that shows nothing else.
 fn light_on_plate(shadows: Shadows, edit: impl Fn(&mut Scene)) -> Vec<(f64, f64)> {
+    colors_on_plate(shadows, edit).into_iter().map(|(offset, [red, _, _])| (offset, red)).collect()
+}
+
+fn colors_on_plate(shadows: Shadows, edit: impl Fn(&mut Scene)) -> Vec<(f64, [f64; 3])> {
     let stage = stage(ball_and_plate(|p| p.z <= 5.0 && p.z >= 3.0), plate_function(), |scene| {
         lit(scene, shadows);
         scene.image.width = 48;
@@ -60,7 +64,7 @@ fn light_on_plate(shadows: Shadows, edit: impl Fn(&mut Scene)) -> Vec<(f64, f64)
         let inside = at.x > 4.0 && at.x < 59.0 && at.y > 4.0 && at.y < 59.0;
         if inside && color[3] > 1e-5 && color[3] < 1e-3 {
             let offset = (at - CENTER).truncate().length();
-            found.push((offset, f64::from(color[0] / color[3])));
+            found.push((offset, [0, 1, 2].map(|channel| f64::from(color[channel] / color[3]))));
         }
     }
     assert!(found.len() > 500, "{} pixels", found.len());
@@ -91,6 +95,58 @@ fn a_ball_shadows_a_plate_by_its_chords() {
             assert!(offset < RADIUS + 1.5 || (light - 1.0).abs() < 1e-3, "unshadowed at {offset}: {light}");
         }
     }
+}
+
+/// K-13: of each colour `exp(-f tau)` gets through, of one that nothing holds back all of it; a light volume tells it
+/// as far as its points resolve the ball.
+#[test]
+fn each_colour_has_its_own_shadow() {
+    let volume = ShadowVolume { resolution: 1.0 };
+    for (shadows, room) in [(Shadows::Rays(ShadowRays { step: 0.1 }), 1.0), (Shadows::Volume(volume), 3.0)] {
+        for color in [0xffbc80, 0xbc00ff] {
+            let factors = Color::hex(color).to_linear(ColorSpace::Srgb);
+            let tinted = |scene: &mut Scene| {
+                scene.volumes[0].scattering.extinction_color = Some(Color::hex(color));
+                scene.volumes[0].transfer_function = Some(transfer_function(
+                    &[(0.0, 0xffffff)],
+                    &[(-150.0, 1e-4), (-149.0, 0.0), (0.0, 0.0), (0.0, 0.3)],
+                ));
+            };
+            for (offset, light) in colors_on_plate(shadows, tinted) {
+                let chord = 2.0 * (RADIUS * RADIUS - offset * offset).max(0.0).sqrt();
+                for channel in 0..3 {
+                    let exact = 0.7f64.powf(chord * f64::from(factors[channel]));
+                    let found = light[channel];
+                    // At the rim the thickness of the plate spreads the shadow's edge.
+                    let is_rim = (offset - RADIUS).abs() < 2.0;
+                    let bound = if is_rim { 1.0 } else { 0.02 * room };
+                    assert!(
+                        (found - exact).abs() < bound,
+                        "{shadows:?}, {channel} at {offset}: {found}, exact {exact}"
+                    );
+                    assert!(factors[channel] > 0.0 || found > 0.999, "{shadows:?} at {offset}: {found}");
+                }
+            }
+        }
+    }
+}
+
+/// What all colours lose alike is the extinction itself, to the bit.
+#[test]
+fn white_extinction_changes_no_shadow() {
+    let drawn = |extinction_color| {
+        let stage = stage(ball_and_plate(|p| p.z <= 5.0 && p.z >= 3.0), plate_function(), |scene| {
+            lit(scene, Shadows::Rays(ShadowRays { step: 0.5 }));
+            scene.volumes[0].scattering.extinction_color = extinction_color;
+            scene.camera.view = View::Orbit(Orbit { azimuth: 30.0, elevation: 40.0, ..Orbit::default() });
+        });
+        render(&stage)
+    };
+    let [plain, white, tinted] = [None, Some(Color::WHITE), Some(Color::hex(0xff8080))].map(drawn);
+    assert_eq!((&plain.color, plain.warnings.len()), (&white.color, white.warnings.len()));
+    assert_ne!(plain.color, tinted.color);
+    let told = tinted.warnings.iter().any(|warning| warning.to_string().contains("in shadows alone"));
+    assert!(told && plain.warnings.is_empty(), "{:?}", tinted.warnings);
 }
 
 /// A block lit from the eye sends back half of what it holds back of both ways (6.1-1, K-10 without slices).

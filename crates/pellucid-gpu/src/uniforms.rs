@@ -38,6 +38,7 @@ pub struct Frame {
     pub plane: Four,
     pub plane_normal: Four,
     pub shadows: Four,
+    pub chroma: Four,
     pub size: [u32; 4],
     pub dims: [u32; 4],
     pub blocks: [u32; 4],
@@ -129,6 +130,8 @@ impl Frame {
             let away = stage.shadow_offset(volume, length);
             frame.shadows = [length, length / stage.step, away, 0.0].map(|v| v as f32);
         }
+        let [r, g, b] = stage.shadow_chroma(volume).unwrap_or([1.0; 3]);
+        frame.chroma = [r, g, b, stage.shadow_dark(volume)];
         frame.counts[0] = stage.lights.len() as u32;
         frame.counts[1] = region.half_spaces().len() as u32;
         match stage.mode() {
@@ -290,7 +293,7 @@ mod tests {
         let resolve = Variant::of(shaders::Pass::Resolve).link(Constants::Uniform).unwrap();
         let frame = fields!(Frame: origin_middle origin_right origin_up direction_middle direction_right direction_up
             world_middle world_right world_up low high gradient_x gradient_y gradient_z world_x world_y world_z
-            picture values material limits plane plane_normal shadows size dims blocks counts noise);
+            picture values material limits plane plane_normal shadows chroma size dims blocks counts noise);
         assert_eq!(layout(&shaded, "Frame"), frame);
         assert_eq!(layout(&shaded, "Pass"), fields!(Pass: rows texture_low core_low core_high));
         assert_eq!(layout(&shaded, "Light"), fields!(Light: place radiance axis cone));

@@ -32,6 +32,16 @@ fn shadows_are_those_of_the_cpu() {
             format!("{medium}[volumes.scattering]\nphase.henyey_greenstein.g = 0.5\n"),
             "shadows.rays = {}\nmodel = \"scattering\"\n",
         ),
+        (
+            "shading = false",
+            format!("{medium}[volumes.scattering]\nextinction_color = \"#ffbc40\"\n"),
+            "shadows.rays = {}\nmodel = \"scattering\"\n",
+        ),
+        (
+            "shading = true",
+            format!("{medium}[volumes.scattering]\nextinction_color = \"#00bcff\"\n"),
+            "shadows.rays = {}\n",
+        ),
         ("shading = true", format!("{surfaces}{clip}"), "shadows.rays = {}\n"),
         ("shading = true", surfaces.to_owned(), "shadows.volume = {}\n"),
     ];

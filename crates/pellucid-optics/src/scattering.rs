@@ -29,7 +29,8 @@ pub struct Scattering {
     pub transport: Option<Vec<ColorPoint>>,
     /// Factors of the extinction for red, green and blue light, as the linear light of this colour, so that what is
     /// thick takes on a colour that what is thin has not (K-13). Left out, all colours are lost alike. Path tracing
-    /// only; a pixel's coverage is then the mean of its colours'.
+    /// heeds it everywhere, and a pixel's coverage is then the mean of its colours'; shadow rays and light volumes
+    /// heed it on the way from the light.
     pub extinction_color: Option<Color>,
     /// How much a sample reflects as a surface instead of scattering as a cloud (K-11). Default none.
     pub surface: SurfaceShare,
@@ -113,6 +114,11 @@ impl Scattering {
             SurfaceShare::Values(points) => at("surface.values", limited(points, 0.0..=1.0, "0 to 1")),
             SurfaceShare::Gradient(weight) => at("surface.gradient", weight.validate()),
         }
+    }
+
+    /// The factors of the extinction for each colour, linear and 0 to 1, where not all of them are 1 (K-13).
+    pub fn extinction_factors(&self) -> Option<[f32; 3]> {
+        self.extinction_color.map(|color| color.to_linear(ColorSpace::Srgb)).filter(|factors| *factors != [1.0; 3])
     }
 
     /// How a sample of this data value scatters that the transfer function gives this colour (linear RGB)

@@ -49,6 +49,22 @@ impl Stage {
         (self.scatters() || volume.material.is_some()).then_some(step * smallest)
     }
 
+    /// The factors of the extinction for each colour on the way from a light to what is lit of a volume, where they
+    /// differ from 1 and shadows are of a medium (K-13).
+    pub fn shadow_chroma(&self, volume: &StageVolume) -> Option<[f32; 3]> {
+        let casts = matches!(self.technique, Technique::RayCast(_)) && self.shadows != Shadows::None;
+        let is_lit = matches!(self.mode(), Mode::Composite) && (self.scatters() || volume.material.is_some());
+        volume.scattering.extinction_factors().filter(|_| casts && is_lit)
+    }
+
+    /// The share of light below which a shadow ray is not followed to its end: where the colour that is lost least
+    /// is down to a tenth of an 8-bit step.
+    pub fn shadow_dark(&self, volume: &StageVolume) -> f32 {
+        const DARK: f32 = 1.0 / 2560.0;
+        let least = |factors: [f32; 3]| factors.into_iter().fold(1.0, f32::min);
+        self.shadow_chroma(volume).map_or(DARK, |factors| DARK.powf(1.0 / least(factors)))
+    }
+
     /// How many steps of a length off the sample shadow rays begin: off surfaces, as far as the roughness of sampled
     /// data reaches.
     pub fn shadow_offset(&self, volume: &StageVolume, length: f64) -> f64 {
@@ -68,7 +84,7 @@ impl Stage {
     }
 
     /// What the technique draws otherwise than the scene asks for: only paths find the size of a light, and an
-    /// extinction of its own for each colour.
+    /// extinction of its own for each colour on the way to the eye.
     pub fn fallbacks(&self) -> impl Iterator<Item = RenderWarning> {
         let by_paths = matches!(self.technique, Technique::PathTrace(_));
         let name = self.technique.name();
@@ -76,10 +92,16 @@ impl Stage {
         let lights = sized.map(move |(number, _)| {
             format!("lighting.lights[{number}] has a size, which {name} does not draw: its middle shines")
         });
-        let colored =
-            self.volumes.iter().enumerate().filter(|(_, volume)| volume.scattering.extinction_color.is_some());
-        let volumes = colored.map(move |(number, _)| {
-            format!("volumes[{number}].scattering.extinction_color is not drawn by {name}: all colours are lost alike")
+        let volumes = self.volumes.iter().enumerate();
+        let colored = volumes.filter(|(_, volume)| volume.scattering.extinction_factors().is_some());
+        let volumes = colored.map(move |(number, volume)| {
+            let setting = format!("volumes[{number}].scattering.extinction_color");
+            match self.shadow_chroma(volume) {
+                Some(_) => {
+                    format!("{name} draws {setting} in shadows alone: towards the eye all colours are lost alike")
+                }
+                None => format!("{setting} is not drawn by {name}: all colours are lost alike"),
+            }
         });
         lights.chain(volumes).filter(move |_| !by_paths).map(|reason| RenderWarning::Fallback { reason })
     }

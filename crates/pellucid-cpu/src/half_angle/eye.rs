@@ -244,7 +244,7 @@ impl<S: Lanes> Eye<'_, S> {
             #[inline(always)]
             || self.field.gradients(s, index, visible),
             #[inline(always)]
-            |_| direct,
+            |_| [direct; 3],
         );
         if let Some(indirect) = arriving.indirect {
             let radiance = self.surface.radiance(s, &index, visible);

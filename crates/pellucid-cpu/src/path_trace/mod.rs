@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use pellucid_field::{ComponentView, Gradient, Sampler, Voxels};
-use pellucid_optics::{ColorSpace, Sky};
+use pellucid_optics::Sky;
 use pellucid_scene::{Control, Jitter, MajorantGrid, PathTrace, Region, Stage, StageVolume, TableCache, Tables};
 
 use crate::RenderError;
@@ -136,7 +136,7 @@ impl<'s> PathTracer<'s> {
                     space: Space::new(grid, &self.region),
                     extinctions: Extinctions::new(&self.tables.table, self.volume.unit_distance()),
                     majorants: &self.majorants,
-                    chroma: self.volume.scattering.extinction_color.map(|color| color.to_linear(ColorSpace::Srgb)),
+                    chroma: self.volume.scattering.extinction_factors(),
                 },
                 probe,
                 table: &self.tables.table,

@@ -22,12 +22,12 @@ pub struct Media<'a, S> {
     pub skip: Option<&'a SkipGrid>,
     /// What varies opacities, if anything does.
     pub varied: Option<Varied<'a>>,
+    /// Light of which less is left is not followed to its end.
+    pub dark: f32,
 }
 
 impl<S: Lanes> Shadow<S> for Media<'_, S> {
     fn through(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
-        /// Light of which so little is left is not followed to its end: a tenth of an 8-bit step.
-        const DARK: f32 = 1.0 / 2560.0;
         s.vectorize(
             #[inline(always)]
             || {
@@ -56,7 +56,7 @@ impl<S: Lanes> Shadow<S> for Media<'_, S> {
                             alpha = sample.ratio.simd_lt(one).select(opacity_over(s, alpha, sample.ratio), alpha);
                         }
                         through = visible.select(through * (one - alpha), through);
-                        through.simd_lt(splat(s, DARK))
+                        through.simd_lt(splat(s, self.dark))
                     },
                 ) {}
                 through

@@ -39,6 +39,8 @@ struct Frame {
     plane_normal: vec4<f32>,
     // A step of a shadow ray in world lengths and in steps of rays; how many of them off the sample it begins.
     shadows: vec4<f32>,
+    // Factors of the extinction on such a ray for each colour; what is left of light that is not followed further.
+    chroma: vec4<f32>,
     // Columns that are drawn, the first of them, rays per pixel and axis, 1 for a perspective.
     size: vec4<u32>,
     // Voxels of the whole grid; nodes of the table.

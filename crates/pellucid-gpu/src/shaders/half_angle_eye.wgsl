@@ -63,7 +63,7 @@ fn seen(passage: Passage, matter: Matter, slab: u32, to_eye: vec3<f32>) -> vec4<
     }
     let light = lights[sweep.size.w];
     var sample = in_the_dark(matter.value, gradient_of_surface(p), to_eye);
-    add_light(&sample, light, p, direct * sweep.scales.x);
+    add_light(&sample, light, p, vec3<f32>(direct * sweep.scales.x));
     var color = in_light(sample, rgba);
 #ifdef INDIRECT
     let factor = indirect * incident(light, p).radiance * sweep.scales.y;

@@ -107,8 +107,8 @@ fn in_the_dark(value: f32, gradient: vec3<f32>, to_eye: vec3<f32>) -> Lit {
     return sample;
 }
 
-// Adds a light, of which a part is left.
-fn add_light(sample: ptr<function, Lit>, light: Light, p: vec3<f32>, left: f32) {
+// Adds a light, of whose colours a part is left.
+fn add_light(sample: ptr<function, Lit>, light: Light, p: vec3<f32>, left: vec3<f32>) {
     let arriving = incident(light, p);
     let radiance = arriving.radiance * left;
 #ifdef SCATTERED
@@ -159,7 +159,7 @@ fn in_light(sample: Lit, rgba: vec4<f32>) -> vec4<f32> {
 fn lit(rgba: vec4<f32>, value: f32, p: vec3<f32>, gradient: vec3<f32>, to_eye: vec3<f32>) -> vec4<f32> {
     var sample = in_the_dark(value, gradient, to_eye);
     for (var i = 0u; i < frame.counts.x; i += 1u) {
-        var left = 1.0;
+        var left = vec3<f32>(1.0);
 #ifdef SHADOWED
         left = left_of_light(lights[i].place, p);
 #endif

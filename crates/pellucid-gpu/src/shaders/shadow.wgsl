@@ -16,11 +16,20 @@
 #endif
 #endif
 
-// Light of which so little is left is not followed to its end: a tenth of an 8-bit step.
-const DARK: f32 = 1.0 / 2560.0;
+// The share of each colour that comes to a position from a light at `place`: a unit vector to it, or its position
+// if `w` is 1. Where the extinction itself leaves T, a colour has T^f = exp(-f tau) left (K-13).
+fn left_of_light(place: vec4<f32>, p: vec3<f32>) -> vec3<f32> {
+    let left = left_by_extinction(place, p);
+    let factors = frame.chroma.rgb;
+    if all(factors == vec3<f32>(1.0)) {
+        return vec3<f32>(left);
+    }
+    // What is not held back at all passes what lets nothing else through; logarithms of 0 are no numbers.
+    let each = select(vec3<f32>(0.0), pow(vec3<f32>(max(left, 1e-37)), factors), left > 0.0);
+    return select(each, vec3<f32>(1.0), factors == vec3<f32>(0.0));
+}
 
-// The share that comes to a position from a light at `place`: a unit vector to it, or its position if `w` is 1.
-fn left_of_light(place: vec4<f32>, p: vec3<f32>) -> f32 {
+fn left_by_extinction(place: vec4<f32>, p: vec3<f32>) -> f32 {
     let step = frame.shadows.x;
     var to_light = place.xyz;
     var most = 1e30;
@@ -63,7 +72,7 @@ fn left_of_light(place: vec4<f32>, p: vec3<f32>) -> f32 {
     let inverse = 1.0 / nonzeros(direction);
 #endif
     var k = 0.0;
-    while k < count && through >= DARK {
+    while k < count && through >= frame.chroma.w {
 #ifdef SKIP
         let clear = clear_steps(origin + direction * (k + 0.5 * select(1.0, last, k >= count - 1.0)), inverse);
         k += clear;
@@ -71,7 +80,7 @@ fn left_of_light(place: vec4<f32>, p: vec3<f32>) -> f32 {
             continue;
         }
 #endif
-        for (var i = 0u; i < RUN && k < count && through >= DARK; i += 1u) {
+        for (var i = 0u; i < RUN && k < count && through >= frame.chroma.w; i += 1u) {
             let ratio = select(1.0, last, k >= count - 1.0);
             let at = origin + direction * (k + 0.5 * ratio);
             let value = field_value(at);
