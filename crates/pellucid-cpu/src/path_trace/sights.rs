@@ -50,9 +50,10 @@ impl Sights {
         let direction = self.index_from_world.transform_vector3(ray.direction) / self.size;
         let high = DVec3::from_array(self.leaps.dims().map(|n| n as f64));
         let (near, far) = (-origin / direction, (high - origin) / direction);
-        // Along a side 0 / 0 is NaN, which neither bound heeds.
+        // On a side, 0 / 0 may count as anything: no ray of the pixel comes as far as the data.
         let (enter, leave) = (near.min(far).max_element().max(0.0), near.max(far).min_element());
-        if !(enter < leave) {
+        let meets = enter < leave;
+        if !meets {
             return Sight::Nowhere(false);
         }
         let entry = (origin + direction * enter).as_vec3();
