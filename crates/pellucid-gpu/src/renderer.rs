@@ -119,11 +119,7 @@ impl GpuRenderer {
         let lit = matches!(stage.mode(), Mode::Composite | Mode::Isosurface(_));
         let name = stage.technique.name();
         // Slices do not look towards the light.
-        let shadows = match (&stage.technique, stage.shadows) {
-            (_, Shadows::None) => true,
-            (Technique::RayCast(_), _) => true,
-            _ => false,
-        };
+        let shadows = matches!((&stage.technique, stage.shadows), (_, Shadows::None) | (Technique::RayCast(_), _));
         let noisy = |volume: &StageVolume| volume.perturbation.displaces() || volume.perturbation.varies();
         match &stage.technique {
             // Slices take a sample at its own place.

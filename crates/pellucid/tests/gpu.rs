@@ -5,7 +5,7 @@
 mod common;
 
 use pellucid::gpu::{Ceiling, GpuRenderer, Interpolation, Passes};
-use pellucid::scene::{Control, RenderWarning, Technique};
+use pellucid::scene::{Control, RenderWarning, Stage, Technique};
 use pellucid::{Backend, CpuRenderer, Renderer};
 
 use common::{difference, draw, folder, gpu, scenes, stage};
@@ -65,16 +65,17 @@ fn rays_that_are_followed_in_turns_draw_the_same_bits() {
 #[test]
 fn the_processor_stands_in_for_what_the_adapter_lacks() {
     let mut renderer = Renderer::from(gpu(&Ceiling::default())).with_stand_in(CpuRenderer::new());
-    let (name, what) = ("shadow-volume-cloud", "lighting.shadows");
-    let (_, shadowed) = stage(&folder().join(format!("{name}.toml")));
-    let choices = renderer.choices(&shadowed).unwrap();
+    let (name, what) = ("composite-bone", "rectangle");
+    let of = |name: &str| stage(&folder().join(format!("{name}.toml"))).1;
+    let shone_upon = Stage { lights: of("path-trace-head").lights, ..of(name) };
+    let choices = renderer.choices(&shone_upon).unwrap();
     assert!(choices.iter().any(|choice| choice.chosen.contains(what)), "{choices:?}");
-    let frame = renderer.render(&shadowed, &Control::default()).unwrap();
+    let frame = renderer.render(&shone_upon, &Control::default()).unwrap();
     let said = |warning: &RenderWarning| matches!(warning, RenderWarning::Fallback { reason } if reason.contains(what));
     assert!(frame.warnings.iter().any(said), "{:?}", frame.warnings);
-    assert_eq!(frame.color, draw(&shadowed).color, "{name}");
+    assert_eq!(frame.color, draw(&shone_upon).color, "{name}");
     // Who asks for the adapter is told instead.
-    let told = Renderer::from(gpu(&Ceiling::default())).render(&shadowed, &Control::default()).unwrap_err();
+    let told = Renderer::from(gpu(&Ceiling::default())).render(&shone_upon, &Control::default()).unwrap_err();
     assert!(told.to_string().contains("use --backend cpu"), "{told}");
     let (_, plain) = stage(&folder().join("composite-tubes.toml"));
     assert!(renderer.render(&plain, &Control::default()).unwrap().warnings.is_empty());
