@@ -25,7 +25,7 @@ pub const BAND: usize = 16;
 /// Texels per row in a tile of a band: where nothing is, nothing is done.
 pub const TILE: usize = 64;
 /// Most slabs that are passed at once, while their rays are at hand.
-const MOST_RUN: usize = 32;
+const MOST_RUN: usize = 16;
 
 /// How many slabs to look up at once for pictures of a size: fewer, where each takes much memory. No picture
 /// depends on it.
