@@ -331,9 +331,6 @@ impl GpuRenderer {
 /// What the path tracer of this backend does not have.
 fn lacks_of_paths(stage: &Stage, settings: &PathTrace) -> Option<String> {
     let lacks = |what: &str| Some(format!("{what} in path_trace"));
-    if stage.lights.iter().any(ResolvedLight::has_extent) {
-        return lacks("lights with a size");
-    }
     if matches!(settings.environment, Environment::Image(_)) {
         return lacks("image as an environment");
     }

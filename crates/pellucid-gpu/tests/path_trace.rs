@@ -24,6 +24,15 @@ fn clouds(scattering: &str, rest: &str) -> Stage {
     stage(&volume, &document, SIZE)
 }
 
+/// Whether both backends draw a stage alike, but for noise.
+fn agree(stage: &Stage, what: &str) -> [Frame; 2] {
+    let (expected, found) = (of_cpu(stage), draw(&mut gpu(&Ceiling::default()), stage));
+    let (squares, mean) = scores(&expected, &found);
+    // Of some 300 pixels, four standard errors of a mean of squares; tails are heavier than normal ones.
+    assert!((0.6..1.5).contains(&squares) && mean.abs() < 4.0, "{what}: {squares}, {mean}");
+    [expected, found]
+}
+
 fn of_cpu(stage: &Stage) -> Frame {
     CpuRenderer::default().render(stage, &Control::default()).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -88,12 +97,39 @@ fn pictures_are_those_of_the_cpu_but_for_noise() {
         ),
     ];
     for (scattering, rest) in cases {
-        let stage = clouds(scattering, &rest);
-        let (expected, found) = (of_cpu(&stage), draw(&mut gpu(&Ceiling::default()), &stage));
-        let (squares, mean) = scores(&expected, &found);
-        // Of some 300 pixels, four standard errors of a mean of squares; tails are heavier than normal ones.
-        assert!((0.6..1.5).contains(&squares) && mean.abs() < 4.0, "{scattering}: {squares}, {mean}");
+        let [_, found] = agree(&clouds(scattering, &rest), scattering);
         assert!(found.statistics.rays > 0 && found.statistics.rays.is_multiple_of(256), "{scattering}");
+    }
+}
+
+/// Lights that are found by choice and by chance: where the phase function is narrow, mostly by chance.
+#[test]
+fn lights_with_a_size_shine_as_on_the_cpu() {
+    let sun = "radius = 25\nkind.directional.direction = [0.6, 0.7, -0.4]\n";
+    let half = "radius = 90\nkind.directional.direction = [0.6, 0.7, -0.4]\n";
+    let small = "radius = 0.001\nkind.directional.direction = [0.6, 0.7, -0.4]\n";
+    // In the volume itself, where nothing hides behind it.
+    let ball = "radius = 3\nkind.point = { position = [2, -1, 3], falloff.inverse_square.reference = 15 }\n";
+    let spot = "radius = 6\nkind.spot = { position = [-15, -12, 14], direction = [1, 0.8, -1], inner_angle = 10, \
+                outer_angle = 30, falloff.inverse_square.reference = 25 }\n";
+    let face = |two_sided: bool| {
+        format!(
+            "kind.rectangle = {{ center = [-6, -9, 12], edges = [[0, 24, 0], [16, 0, 12]], two_sided = {two_sided}, \
+             falloff.inverse_square.reference = 15 }}\n"
+        )
+    };
+    let (front, both, unmet) = (face(false), face(true), format!("specular = false\n{ball}"));
+    let cases: [&[&str]; 8] =
+        [&[sun], &[half], &[small], &[ball], &[spot], &[&front], &[&both, sun], &[&unmet, &front, ball]];
+    for (number, lights) in cases.into_iter().enumerate() {
+        let lights: String = lights.iter().map(|light| format!("[[lighting.lights]]\n{light}")).collect();
+        for g in [0.0, 0.8] {
+            let phase = format!("phase.henyey_greenstein.g = {g}");
+            agree(
+                &clouds(&phase, &format!("{lights}[technique.path_trace]\nsamples = 128\n")),
+                &format!("{number}, {g}"),
+            );
+        }
     }
 }
 
@@ -106,10 +142,7 @@ fn surfaces_reflect_as_on_the_cpu() {
          [volumes.scattering.surface]\ngradient = { low = 0.1, high = 0.8 }\n\
          [[lighting.lights]]\nkind.directional.direction = [0.6, 0.7, -0.4]\n\
          [technique.path_trace]\nsamples = 400\nenvironment.constant.color = \"#808080\"\n";
-    let stage = stage(&volume, document, [48, 40]);
-    let (expected, found) = (of_cpu(&stage), draw(&mut gpu(&Ceiling::default()), &stage));
-    let (squares, mean) = scores(&expected, &found);
-    assert!((0.6..1.5).contains(&squares) && mean.abs() < 4.0, "{squares}, {mean}");
+    let [expected, found] = agree(&stage(&volume, document, [48, 40]), "a ball");
     // Both say where half of the light has collided.
     let near = expected.depth.iter().zip(&found.depth).filter(|(a, b)| (*a - *b).abs() < 0.1).count();
     let both = expected.depth.iter().zip(&found.depth).filter(|(a, b)| a.is_finite() && b.is_finite()).count();

@@ -1,6 +1,7 @@
 //! The path tracer: a path of light for every pixel at a time, until there are enough of them, as the CPU backend
 //! follows them. Random numbers are others, and so is the noise.
 
+mod extents;
 mod numbers;
 
 use std::time::Instant;
@@ -26,6 +27,7 @@ use crate::uploads::{Uploads, storage};
 use crate::window::Window;
 use crate::{Device, GpuError};
 
+pub use extents::Extent;
 pub use numbers::Paths;
 
 /// Most paths of a pixel in a submission.
@@ -39,6 +41,7 @@ pub struct PathTracer<'a> {
     settings: &'a PathTrace,
     numbers: Buffer,
     majorants: Buffer,
+    extents: Buffer,
     trace: Pipeline,
     pixels: Pipeline,
 }
@@ -74,9 +77,11 @@ impl<'a> PathTracer<'a> {
         let pairs = majorants.values.iter().zip(&majorants.distances);
         let blocks: Vec<[f32; 2]> =
             pairs.map(|(extinction, distance)| [extinction * stage.step as f32, f32::from(*distance)]).collect();
+        let extents: Vec<Extent> = stage.lights.iter().map(|light| Extent::new(light, &volume.scattering)).collect();
         Ok(Self {
             numbers: device.constant_buffer("paths", bytes_of(&numbers)),
             majorants: storage(device, "majorants", &blocks),
+            extents: storage(device, "extents", &extents),
             device,
             resident,
             bindings,
@@ -125,7 +130,9 @@ impl<'a> PathTracer<'a> {
         let views = self.resident.textures(self.device, &brick, control)?;
         let volume = self.bindings.volume_group(&self.trace.groups[1], &views);
         let states = (5, targets.states.as_entire_binding());
-        let sees = [states.clone(), (19, self.numbers.as_entire_binding()), (20, self.majorants.as_entire_binding())];
+        let own = [(19, &self.numbers), (20, &self.majorants), (21, &self.extents)];
+        let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
+        let sees: Vec<_> = std::iter::once(states.clone()).chain(own).collect();
         let size = [targets.width, rows];
         let mut path = 0;
         while path < self.settings.samples {

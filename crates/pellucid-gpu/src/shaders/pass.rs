@@ -13,7 +13,7 @@ macro_rules! source {
 }
 
 /// What passes import; each only from those above it.
-pub(super) const SHARED: [Source; 25] = [
+pub(super) const SHARED: [Source; 26] = [
     source!("frame"),
     source!("ray"),
     source!("kernel"),
@@ -39,6 +39,7 @@ pub(super) const SHARED: [Source; 25] = [
     source!("random"),
     source!("paths"),
     source!("vertex"),
+    source!("extent"),
 ];
 
 /// What a pass makes of the volume.

@@ -1,7 +1,8 @@
 // A path of light for each pixel, from the eye to where its light came from: `path.rs` of the CPU backend. The pass:
 // rows of the picture, the number of the path; 1 if it is the first.
-#import pellucid::frame::{frame, bounds, world_of}
-#import pellucid::light::{incident, lights, normal_of}
+#import pellucid::frame::{frame, bounds}
+#import pellucid::extent::{extents, light_seen, sample_light}
+#import pellucid::light::{lights, normal_of}
 #import pellucid::march::{new_state, states, DONE, HIT}
 #import pellucid::paths::{collide, leave_along, paths, to_voxels, transmittance, Flight, FAR_AWAY}
 #import pellucid::random::{begin_stream, random}
@@ -95,13 +96,13 @@ fn direct(p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
     var distance = FAR_AWAY;
     var light = vec3<f32>(0.0);
     if chosen < frame.counts.x {
-        let source = lights[chosen];
-        let arriving = incident(source, p);
-        direction = arriving.to_light;
-        if source.place.w != 0.0 {
-            distance = length(source.place.xyz - world_of(p)) / frame.picture.w;
+        let found = sample_light(chosen, p);
+        direction = found.arriving.to_light;
+        distance = found.distance;
+        light = vertex_light(vertex, found.arriving, lights[chosen].radiance.w != 0.0);
+        if extents[chosen].kind.y != 0u {
+            light /= 1.0 + vertex_density(vertex, direction) * f32(sources) / found.density;
         }
-        light = vertex_light(vertex, arriving, source.radiance.w != 0.0);
     } else {
         direction = sky_sample();
         let density = sky_density(direction) / f32(sources);
@@ -114,6 +115,21 @@ fn direct(p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
     }
     let through = transmittance(leave_along(p, direction, distance));
     return Light(light * through.x * f32(sources), u32(through.y));
+}
+
+// The lights that a scattered path meets before its next collision, which is `way` off, with the share that `direct`
+// leaves them. Nothing hides behind a light.
+fn lights_met(p: vec3<f32>, direction: vec3<f32>, way: f32, density: f32, sources: u32) -> vec3<f32> {
+    var radiance = vec3<f32>(0.0);
+    for (var i = 0u; i < frame.counts.x; i += 1u) {
+        if extents[i].kind.y != 0u {
+            let seen = light_seen(i, p, direction);
+            if seen.distance <= way {
+                radiance += seen.radiance * (density / (density + seen.density / f32(sources)));
+            }
+        }
+    }
+    return radiance;
 }
 
 // What a path brought.
@@ -135,6 +151,10 @@ fn follow(start: Beam) -> Found {
     for (var scatterings = 0u; ; scatterings += 1u) {
         let collision = collide(flight);
         found.looks += collision.looks;
+        if scatterings > 0u {
+            let met = lights_met(flight.origin, forward, collision.distance, density, sources);
+            found.radiance += throughput * met;
+        }
         if collision.distance >= FAR_AWAY {
             if scatterings > 0u && has_sky {
                 let share = density / (density + sky_density(forward) / f32(sources));
