@@ -6,6 +6,7 @@ use wgpu::Buffer;
 
 use crate::Device;
 use crate::pace::Pace;
+use crate::path_trace::UploadedSky;
 use crate::slicing::Canvas;
 use crate::targets::Targets;
 use crate::timer::Timer;
@@ -60,6 +61,8 @@ pub struct Reused {
     pub canvas: Option<Canvas>,
     /// Layers of light on its way through slabs.
     pub light: Option<Buffer>,
+    /// A picture of the sky.
+    pub sky: Option<UploadedSky>,
     /// The device's clock, if it has one.
     pub timer: Option<Timer>,
 }
@@ -74,6 +77,7 @@ impl Reused {
             targets: None,
             canvas: None,
             light: None,
+            sky: None,
             timer: Timer::new(device),
         }
     }

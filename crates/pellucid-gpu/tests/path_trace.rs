@@ -8,8 +8,8 @@ use common::{draw, gpu, sample, stage};
 use pellucid_cpu::CpuRenderer;
 use pellucid_field::{Grid, Volume, VoxelType};
 use pellucid_gpu::{Ceiling, GpuError};
-use pellucid_optics::luminance;
-use pellucid_scene::{Cancel, Control, Frame, Stage};
+use pellucid_optics::{Environment, SkyImage, SkyMap, SkySource, luminance};
+use pellucid_scene::{Cancel, Control, Frame, Stage, Technique};
 
 const SIZE: [u32; 2] = [24, 20];
 
@@ -131,6 +131,60 @@ fn lights_with_a_size_shine_as_on_the_cpu() {
             );
         }
     }
+}
+
+/// A picture of the sky in place of a stage's own.
+fn under(mut stage: Stage, map: SkyMap) -> Stage {
+    let Technique::PathTrace(settings) = &mut stage.technique else { panic!("no paths") };
+    let source = SkySource::File("memory".into());
+    settings.environment =
+        Environment::Image(SkyImage { source, rotation: -70.0, intensity: 1.5, map: Some(Arc::new(map)) });
+    stage
+}
+
+/// A dim sky in which one texel is a lamp.
+fn lamp(width: usize, height: usize) -> SkyMap {
+    let texel = |k: usize| if k == width + 2 { [200.0, 160.0, 90.0] } else { [0.1, 0.2, 0.1 * (k % 5) as f32] };
+    SkyMap::new(width, height, (0..width * height).map(texel).collect()).unwrap()
+}
+
+#[test]
+fn a_picture_of_the_sky_shines_as_on_the_cpu() {
+    let path = "[technique.path_trace]\nsamples = 128\n";
+    let none = "[lighting]\nlights = []\n";
+    let sun = "[[lighting.lights]]\nradius = 20\nkind.directional.direction = [0.6, 0.7, -0.4]\n";
+    for g in [0.0, 0.8] {
+        let phase = format!("phase.henyey_greenstein.g = {g}");
+        for lights in [none, sun] {
+            let day =
+                format!("{lights}{path}environment.image = {{ source = \"day\", rotation = 130, intensity = 0.7 }}\n");
+            agree(&clouds(&phase, &day), &format!("day, {g}, {lights}"));
+        }
+        agree(&under(clouds(&phase, &format!("{none}{path}")), lamp(9, 4)), &format!("a lamp, {g}"));
+    }
+}
+
+#[test]
+fn skies_follow_one_another() {
+    let settings = "[technique.path_trace]\nsamples = 16\n";
+    let plain = || clouds("", settings);
+    let gradient = "environment.gradient = { top = \"#a0c0ff\", bottom = \"#403020\" }\n";
+    let stages = [
+        under(plain(), lamp(9, 4)),
+        under(plain(), lamp(16, 8)),
+        clouds("", &format!("{settings}{gradient}")),
+        under(plain(), lamp(9, 4)),
+        plain(),
+    ];
+    let mut renderer = gpu(&Ceiling::default());
+    for stage in &stages {
+        assert_eq!(draw(&mut renderer, stage).color, draw(&mut gpu(&Ceiling::default()), stage).color);
+    }
+    // The memory of a picture counts.
+    let mut small = gpu(&Ceiling { memory: Some(4 << 20), ..Ceiling::default() });
+    draw(&mut small, &stages[0]);
+    let error = small.render(&under(plain(), lamp(1024, 512)), &Control::default()).unwrap_err();
+    assert!(matches!(error, GpuError::Budget { needed, .. } if needed > 8 << 20), "{error}");
 }
 
 #[test]

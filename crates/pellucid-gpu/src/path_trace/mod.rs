@@ -3,11 +3,12 @@
 
 mod extents;
 mod numbers;
+mod sky;
 
 use std::time::Instant;
 
 use bytemuck::bytes_of;
-use pellucid_optics::Material;
+use pellucid_optics::{Material, Sky};
 use pellucid_scene::{Control, Frame as Picture, MajorantGrid, PathTrace, Stage, StageVolume};
 use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, CommandEncoderDescriptor};
 
@@ -29,6 +30,7 @@ use crate::{Device, GpuError};
 
 pub use extents::Extent;
 pub use numbers::Paths;
+pub use sky::{UploadedSky, bytes};
 
 /// Most paths of a pixel in a submission.
 const MOST_PATHS: u32 = 256;
@@ -42,6 +44,7 @@ pub struct PathTracer<'a> {
     numbers: Buffer,
     majorants: Buffer,
     extents: Buffer,
+    sky: Buffer,
     trace: Pipeline,
     pixels: Pipeline,
 }
@@ -57,6 +60,7 @@ impl<'a> PathTracer<'a> {
         resident: &'a mut Resident,
         (stage, volume, settings): (&Stage, &StageVolume, &'a PathTrace),
         (optics, uploads, majorants): (&Optics, &'a Uploads, &MajorantGrid),
+        (sky, uploaded): (Option<&Sky>, Option<&UploadedSky>),
         drawing: Drawing,
     ) -> Result<Self, GpuError> {
         let alter = |frame: &mut uniforms::Frame| {
@@ -73,7 +77,7 @@ impl<'a> PathTracer<'a> {
         let trace = pipelines.get(device, Variant { pass: Pass::PathTrace, ..bindings.variant })?.clone();
         let pixels = pipelines.get(device, Variant { pass: Pass::PathTracePixels, ..bindings.variant })?.clone();
         let grid = volume.volume.grid();
-        let numbers = Paths::new(stage, grid, settings, majorants)?;
+        let numbers = Paths::new(stage, grid, settings, majorants, sky);
         let pairs = majorants.values.iter().zip(&majorants.distances);
         let blocks: Vec<[f32; 2]> =
             pairs.map(|(extinction, distance)| [extinction * stage.step as f32, f32::from(*distance)]).collect();
@@ -82,6 +86,7 @@ impl<'a> PathTracer<'a> {
             numbers: device.constant_buffer("paths", bytes_of(&numbers)),
             majorants: storage(device, "majorants", &blocks),
             extents: storage(device, "extents", &extents),
+            sky: uploaded.map_or_else(|| storage::<f32>(device, "sky", &[]), |sky| sky.texels.clone()),
             device,
             resident,
             bindings,
@@ -130,7 +135,7 @@ impl<'a> PathTracer<'a> {
         let views = self.resident.textures(self.device, &brick, control)?;
         let volume = self.bindings.volume_group(&self.trace.groups[1], &views);
         let states = (5, targets.states.as_entire_binding());
-        let own = [(19, &self.numbers), (20, &self.majorants), (21, &self.extents)];
+        let own = [(19, &self.numbers), (20, &self.majorants), (21, &self.extents), (22, &self.sky)];
         let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
         let sees: Vec<_> = std::iter::once(states.clone()).chain(own).collect();
         let size = [targets.width, rows];

@@ -7,7 +7,8 @@
 #import pellucid::paths::{collide, leave_along, paths, to_voxels, transmittance, Flight, FAR_AWAY}
 #import pellucid::random::{begin_stream, random}
 #import pellucid::ray::{beam_of, span_of}
-#import pellucid::vertex::{cloud_vertex, turned, vertex_density, vertex_light, vertex_sample, vertex_value, Vertex}
+#import pellucid::sky::{has_sky, sample_sky, sky_in}
+#import pellucid::vertex::{cloud_vertex, vertex_density, vertex_light, vertex_sample, vertex_value, Vertex}
 #import pellucid::scatter::{PI, gradient_share, scatterer_of}
 #ifdef SHADED
 #import pellucid::field::field_gradient
@@ -17,21 +18,6 @@
 const FEWEST: f32 = 64.0;
 const BATCH: u32 = 16u;
 const DARK: f32 = 1e-3;
-
-fn sky_radiance(direction: vec3<f32>) -> vec3<f32> {
-    return mix(paths.bottom.rgb, paths.top.rgb, 0.5 + 0.5 * direction.z);
-}
-
-fn sky_density(direction: vec3<f32>) -> f32 {
-    return (1.0 + paths.top.w * direction.z) / (4.0 * PI);
-}
-
-fn sky_sample() -> vec3<f32> {
-    let s = paths.top.w;
-    let t = 2.0 * random() - 1.0;
-    let z = (2.0 * t + s) / (1.0 + sqrt(max(1.0 + s * (2.0 * t + s), 0.0)));
-    return turned(vec3<f32>(0.0, 0.0, 1.0), clamp(z, -1.0, 1.0), random());
-}
 
 // A path from the eye.
 struct Beam {
@@ -104,11 +90,12 @@ fn direct(p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
             light /= 1.0 + vertex_density(vertex, direction) * f32(sources) / found.density;
         }
     } else {
-        direction = sky_sample();
-        let density = sky_density(direction) / f32(sources);
+        let sky = sample_sky();
+        direction = sky.direction;
+        let density = sky.density / f32(sources);
         // The balance heuristic (Veach and Guibas 1995): the sky is found by scattering as well.
         let share = 1.0 / (density + vertex_density(vertex, direction));
-        light = vertex_value(vertex, direction) * sky_radiance(direction) * share / f32(sources);
+        light = vertex_value(vertex, direction) * sky.radiance * share / f32(sources);
     }
     if all(light <= vec3<f32>(0.0)) {
         return Light(vec3<f32>(0.0), 0u);
@@ -146,8 +133,7 @@ fn follow(start: Beam) -> Found {
     var throughput = vec3<f32>(1.0);
     // Density with which the last scattering chose the direction.
     var density = 0.0;
-    let has_sky = paths.bottom.w != 0.0;
-    let sources = frame.counts.x + select(0u, 1u, has_sky);
+    let sources = frame.counts.x + select(0u, 1u, has_sky());
     for (var scatterings = 0u; ; scatterings += 1u) {
         let collision = collide(flight);
         found.looks += collision.looks;
@@ -156,9 +142,10 @@ fn follow(start: Beam) -> Found {
             found.radiance += throughput * met;
         }
         if collision.distance >= FAR_AWAY {
-            if scatterings > 0u && has_sky {
-                let share = density / (density + sky_density(forward) / f32(sources));
-                found.radiance += throughput * sky_radiance(forward) * share;
+            if scatterings > 0u && has_sky() {
+                let sky = sky_in(forward);
+                let share = density / (density + sky.density / f32(sources));
+                found.radiance += throughput * sky.radiance * share;
             }
             return found;
         }

@@ -22,6 +22,10 @@ struct Paths {
     // The sky from above and below; how much brighter than the mean it is above; 1 if there is one.
     top: vec4<f32>,
     bottom: vec4<f32>,
+    // Of a sky that is a picture: cosine and sine of its turn around z, factor of its light, one over its flux; its
+    // columns and rows, 0 of another sky.
+    picture: vec4<f32>,
+    picture_size: vec4<u32>,
     // Rows of the matrix from steps of the world to voxels.
     index_x: vec4<f32>,
     index_y: vec4<f32>,
