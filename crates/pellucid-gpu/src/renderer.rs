@@ -338,8 +338,8 @@ impl GpuRenderer {
 /// What the path tracer of this backend does not have.
 fn lacks_of_paths(stage: &Stage, settings: &PathTrace) -> Option<String> {
     let lacks = |what: &str| Some(format!("{what} in path_trace"));
-    if settings.denoise || settings.surface_depth > 0.0 {
-        return lacks("denoise or surface_depth");
+    if settings.denoise {
+        return lacks("denoise");
     }
     stage.volumes.iter().find_map(|volume| {
         let Scattering { phase, anisotropy, extinction_color, .. } = &volume.scattering;

@@ -201,6 +201,15 @@ fn surfaces_reflect_as_on_the_cpu() {
     let near = expected.depth.iter().zip(&found.depth).filter(|(a, b)| (*a - *b).abs() < 0.1).count();
     let both = expected.depth.iter().zip(&found.depth).filter(|(a, b)| a.is_finite() && b.is_finite()).count();
     assert!(both > 100 && near * 10 > both * 9, "{near} of {both}");
+    // Highlights of lights with a size are found by chance; and surfaces in front of their matter, where that is thin
+    // and where it is so thick that a voxel is the most.
+    let sun = "kind.directional.direction = [0.6, 0.7, -0.4]\n";
+    for (instead, surface_depth) in
+        [(format!("{sun}radius = 15\n"), 0.0), (sun.to_owned(), 0.5), (sun.to_owned(), 50.0)]
+    {
+        let document = format!("{}surface_depth = {surface_depth:.1}\n", document.replace(sun, &instead));
+        agree(&stage(&volume, &document, [36, 30]), &document);
+    }
 }
 
 /// A white medium in a white sky is not seen: what collides brings as much light as what does not.

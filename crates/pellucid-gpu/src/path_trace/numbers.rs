@@ -21,6 +21,7 @@ pub struct Paths {
     pub bottom: Four,
     pub picture: Four,
     pub picture_size: [u32; 4],
+    pub surface: Four,
     pub index_x: Four,
     pub index_y: Four,
     pub index_z: Four,
@@ -48,6 +49,8 @@ impl Paths {
             counts: [settings.seed, frames, settings.samples, settings.bounces],
             more: [settings.roulette, x, y, z],
             numbers: [settings.noise, in_steps(settings.aperture), in_steps(focus), size],
+            // No surface is told more finely than in voxels.
+            surface: [settings.surface_depth, in_steps(grid.mean_spacing()), 0.0, 0.0],
             index_x,
             index_y,
             index_z,

@@ -67,6 +67,12 @@ fn vertex_of(p: vec3<f32>, value: f32, color: vec3<f32>, forward: vec3<f32>) -> 
     return cloud_vertex(p, value, forward);
 }
 
+// Where a surface is lit: in front of the matter that belongs to it, which is so many mean free paths deep.
+fn in_front(p: vec3<f32>, normal: vec3<f32>, extinction: f32) -> vec3<f32> {
+    let way = leave_along(p, normal, min(paths.surface.x / extinction, paths.surface.y));
+    return way.origin + way.direction * way.length;
+}
+
 struct Light {
     radiance: vec3<f32>,
     looks: u32,
@@ -150,13 +156,16 @@ fn follow(start: Beam) -> Found {
             return found;
         }
         found.has_collided = true;
-        let p = flight.origin + flight.direction * collision.distance;
+        var p = flight.origin + flight.direction * collision.distance;
         let color = collision.matter.rgb;
         found.radiance += throughput * color * frame.material.x;
         if scatterings == paths.counts.w {
             return found;
         }
         let vertex = vertex_of(p, collision.value, color, forward);
+        if vertex.is_surface && paths.surface.x > 0.0 {
+            p = in_front(p, vertex.normal, collision.matter.a);
+        }
         let light = direct(p, vertex, sources);
         found.radiance += throughput * light.radiance;
         found.looks += light.looks;

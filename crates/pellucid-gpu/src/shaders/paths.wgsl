@@ -26,6 +26,8 @@ struct Paths {
     // columns and rows, 0 of another sky.
     picture: vec4<f32>,
     picture_size: vec4<u32>,
+    // How far in front of its collision a surface is lit: in mean free paths, and at most in steps.
+    surface: vec4<f32>,
     // Rows of the matrix from steps of the world to voxels.
     index_x: vec4<f32>,
     index_y: vec4<f32>,
