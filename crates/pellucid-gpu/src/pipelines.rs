@@ -141,7 +141,7 @@ fn frame_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
         (Pass::Resolve, _) => types.extend([(5, write), (7, write)]),
         (Pass::HalfAngleLight | Pass::HalfAnglePresence, _) => types.extend([(17, uniform), (18, write)]),
         (Pass::PathTrace, _) => types.extend([(5, write), (19, uniform), (20, read), (21, read), (22, read)]),
-        (Pass::PathTracePixels, _) => types.extend([(5, write), (7, write)]),
+        (Pass::PathTracePixels, _) => types.extend([(5, write), (7, write), (19, uniform)]),
         (Pass::HalfAngleEye | Pass::HalfAngleSurface, _) => types.extend([(5, write), (17, uniform), (18, write)]),
         _ => types.push((5, write)),
     }

@@ -342,10 +342,7 @@ fn lacks_of_paths(stage: &Stage, settings: &PathTrace) -> Option<String> {
         return lacks("denoise");
     }
     stage.volumes.iter().find_map(|volume| {
-        let Scattering { phase, anisotropy, extinction_color, .. } = &volume.scattering;
-        if extinction_color.is_some() {
-            return lacks("extinction_color");
-        }
+        let Scattering { phase, anisotropy, .. } = &volume.scattering;
         let varies = matches!(phase, Phase::Hybrid { .. }) && *anisotropy != Anisotropy::Uniform;
         varies.then(|| lacks("anisotropy of a hybrid phase function over the data")).flatten()
     })

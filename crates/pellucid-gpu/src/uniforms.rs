@@ -307,7 +307,7 @@ mod tests {
             direction_right direction_up plane ways blur scales cone size counts);
         let eye = Variant::of(shaders::Pass::HalfAngleEye).canonical().link(Constants::Uniform).unwrap();
         assert_eq!(layout(&eye, "Sweep"), sweep);
-        let paths = fields!(Paths: counts more numbers top bottom picture picture_size surface index_x index_y index_z lens_right lens_up);
+        let paths = fields!(Paths: counts more numbers top bottom picture picture_size surface chroma index_x index_y index_z lens_right lens_up);
         let trace = Variant::of(shaders::Pass::PathTrace).canonical().link(Constants::Uniform).unwrap();
         assert_eq!(layout(&trace, "Paths"), paths);
         assert_eq!(layout(&trace, "Extent"), fields!(Extent: kind first second normal));

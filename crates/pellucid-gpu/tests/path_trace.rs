@@ -8,7 +8,7 @@ use common::{draw, gpu, sample, stage};
 use pellucid_cpu::CpuRenderer;
 use pellucid_field::{Grid, Volume, VoxelType};
 use pellucid_gpu::{Ceiling, GpuError};
-use pellucid_optics::{Environment, SkyImage, SkyMap, SkySource, luminance};
+use pellucid_optics::{Color, ColorSpace, Environment, SkyImage, SkyMap, SkySource, luminance};
 use pellucid_scene::{Cancel, Control, Frame, Stage, Technique};
 
 const SIZE: [u32; 2] = [24, 20];
@@ -94,6 +94,10 @@ fn pictures_are_those_of_the_cpu_but_for_noise() {
                  [volumes.perturbation.optics]\nopacity = 0.8\ncolor = 0.6\n\
                  {sun}[technique.path_trace]\nsamples = 256\n{sky}\n"
             ),
+        ),
+        (
+            "phase.henyey_greenstein.g = 0.5\nextinction_color = \"#ff9040\"",
+            format!("{sun}{lamp}[technique.path_trace]\nsamples = 256\n{sky}\n"),
         ),
     ];
     for (scattering, rest) in cases {
@@ -245,6 +249,32 @@ fn what_collides_is_what_beers_law_says() {
     let expected = 1.0 - 0.7f64.powi(4);
     let error = (expected * (1.0 - expected) / (500.0 * inner.len() as f64)).sqrt();
     assert!(inner.len() > 50 && (mean - expected).abs() < 4.0 * error, "{mean}, not {expected} within {error}");
+}
+
+/// The same where colours have extinctions of their own (K-13): what is left is their mean.
+#[test]
+fn colors_collide_by_extinctions_of_their_own() {
+    let grid = Grid::new([9, 5, 9]).unwrap();
+    let volume = Arc::new(Volume::new(grid, vec![1.0f32; 9 * 5 * 9]).unwrap());
+    let document = "[volumes.transfer_function]\ncolors = [[0, \"#ffffff\"]]\nopacities = [[0, 0.6], [2, 0.6]]\n\
+         unit_distance = 1.0\n[volumes.scattering]\nalbedo.constant = 0.0\nextinction_color = \"#ffc090\"\n\
+         [camera]\nprojection.orthographic = {}\nview.orbit = { azimuth = 0, elevation = 0 }\n\
+         [quality]\nstep = 0.1\n[technique.path_trace]\nsamples = 500\n";
+    let stage = stage(&volume, document, [16, 16]);
+    let found = draw(&mut gpu(&Ceiling::default()), &stage);
+    let factors = Color::hex(0xffc090).to_linear(ColorSpace::Srgb);
+    let left = |depth: f64| factors.iter().map(|factor| 0.4f64.powf(depth * f64::from(*factor))).sum::<f64>() / 3.0;
+    let inner: Vec<usize> = (0..found.color.len()).filter(|k| found.color[*k][3] > 0.6).collect();
+    let mean = inner.iter().map(|k| f64::from(found.color[*k][3])).sum::<f64>() / inner.len() as f64;
+    let expected = 1.0 - left(4.0);
+    let error = (expected * (1.0 - expected) / (500.0 * inner.len() as f64)).sqrt();
+    assert!(inner.len() > 50 && (mean - expected).abs() < 4.0 * error, "{mean}, not {expected} within {error}");
+    // Half of it is lost within a step of the depth.
+    let entry = -stage.viewpoint.eye.y;
+    for k in inner {
+        let depth = f64::from(found.depth[k]) - entry;
+        assert!(left(depth - stage.step) > 0.5 && left(depth + stage.step) < 0.5, "{depth}: {}", left(depth));
+    }
 }
 
 #[test]

@@ -76,8 +76,7 @@ impl<'a> PathTracer<'a> {
             Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter);
         let trace = pipelines.get(device, Variant { pass: Pass::PathTrace, ..bindings.variant })?.clone();
         let pixels = pipelines.get(device, Variant { pass: Pass::PathTracePixels, ..bindings.variant })?.clone();
-        let grid = volume.volume.grid();
-        let numbers = Paths::new(stage, grid, settings, majorants, sky);
+        let numbers = Paths::new(stage, volume, settings, majorants, sky);
         let pairs = majorants.values.iter().zip(&majorants.distances);
         let blocks: Vec<[f32; 2]> =
             pairs.map(|(extinction, distance)| [extinction * stage.step as f32, f32::from(*distance)]).collect();
@@ -165,7 +164,9 @@ impl<'a> PathTracer<'a> {
             report(f64::from(path) / f64::from(self.settings.samples));
         }
         let passes = PassBuffer::new(self.device, [uniforms::Pass { rows: [row, rows, 0, 0], ..Default::default() }]);
-        let [frame, table] = self.groups(&self.pixels, &passes, &[states, (7, targets.pixels.as_entire_binding())]);
+        let pixels = (7, targets.pixels.as_entire_binding());
+        let numbers = (19, self.numbers.as_entire_binding());
+        let [frame, table] = self.groups(&self.pixels, &passes, &[states, pixels, numbers]);
         let mut encoder = self.encoder();
         dispatch(&mut encoder, &self.pixels.pipeline, &[&frame, &volume, &table], 0, size, None);
         targets.copy(&mut encoder, rows);

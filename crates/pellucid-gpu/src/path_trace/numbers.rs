@@ -2,9 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
-use pellucid_field::Grid;
-use pellucid_optics::Sky;
-use pellucid_scene::{Jitter, MajorantGrid, PathTrace, Stage};
+use pellucid_optics::{ColorSpace, Sky};
+use pellucid_scene::{Jitter, MajorantGrid, PathTrace, Stage, StageVolume};
 
 use crate::uniforms::four;
 
@@ -22,6 +21,7 @@ pub struct Paths {
     pub picture: Four,
     pub picture_size: [u32; 4],
     pub surface: Four,
+    pub chroma: Four,
     pub index_x: Four,
     pub index_y: Four,
     pub index_z: Four,
@@ -30,9 +30,16 @@ pub struct Paths {
 }
 
 impl Paths {
-    /// Of a stage that looks at a grid.
-    pub fn new(stage: &Stage, grid: &Grid, settings: &PathTrace, majorants: &MajorantGrid, sky: Option<&Sky>) -> Self {
-        let view = &stage.viewpoint;
+    /// Of a stage that looks at a volume.
+    pub fn new(
+        stage: &Stage,
+        volume: &StageVolume,
+        settings: &PathTrace,
+        majorants: &MajorantGrid,
+        sky: Option<&Sky>,
+    ) -> Self {
+        let (view, grid) = (&stage.viewpoint, volume.volume.grid());
+        let chroma = volume.scattering.extinction_color.map(|color| color.to_linear(ColorSpace::Srgb));
         let frames = match stage.quality.jitter {
             Jitter::Centered => 0,
             // Frames to be averaged differ by it.
@@ -51,6 +58,7 @@ impl Paths {
             numbers: [settings.noise, in_steps(settings.aperture), in_steps(focus), size],
             // No surface is told more finely than in voxels.
             surface: [settings.surface_depth, in_steps(grid.mean_spacing()), 0.0, 0.0],
+            chroma: chroma.map_or([1.0, 1.0, 1.0, 0.0], |[r, g, b]| [r, g, b, 1.0]),
             index_x,
             index_y,
             index_z,

@@ -107,7 +107,7 @@ fn direct(p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
         return Light(vec3<f32>(0.0), 0u);
     }
     let through = transmittance(leave_along(p, direction, distance));
-    return Light(light * through.x * f32(sources), u32(through.y));
+    return Light(light * through.rgb * f32(sources), u32(through.a));
 }
 
 // The lights that a scattered path meets before its next collision, which is `way` off, with the share that `direct`
@@ -141,7 +141,8 @@ fn follow(start: Beam) -> Found {
     var density = 0.0;
     let sources = frame.counts.x + select(0u, 1u, has_sky());
     for (var scatterings = 0u; ; scatterings += 1u) {
-        let collision = collide(flight);
+        let collision = collide(flight, throughput);
+        throughput = collision.carried;
         found.looks += collision.looks;
         if scatterings > 0u {
             let met = lights_met(flight.origin, forward, collision.distance, density, sources);
