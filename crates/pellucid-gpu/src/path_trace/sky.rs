@@ -43,7 +43,7 @@ pub fn bytes(device: &Device, sky: Option<&Sky>) -> Result<u64, GpuError> {
     let [width, height] = map.size().map(|n| n as u64);
     let needed = (width + 1) * height * size_of::<Four>() as u64;
     let limits = &device.capabilities.limits;
-    let budget = u64::from(limits.max_storage_buffer_binding_size).min(limits.max_buffer_size);
+    let budget = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     if needed > budget {
         let what = format!("a picture of the sky of {width} x {height} texels");
         return Err(GpuError::Budget {
