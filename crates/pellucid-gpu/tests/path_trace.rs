@@ -4,10 +4,10 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{draw, gpu, sample, stage};
+use common::{device, draw, gpu, sample, stage};
 use pellucid_cpu::CpuRenderer;
 use pellucid_field::{Grid, Volume, VoxelType};
-use pellucid_gpu::{Ceiling, GpuError};
+use pellucid_gpu::{Ceiling, GpuError, GpuRenderer};
 use pellucid_optics::{Color, ColorSpace, Environment, SkyImage, SkyMap, SkySource, luminance};
 use pellucid_scene::{Cancel, Control, Frame, Stage, Technique};
 
@@ -184,11 +184,16 @@ fn skies_follow_one_another() {
     for stage in &stages {
         assert_eq!(draw(&mut renderer, stage).color, draw(&mut gpu(&Ceiling::default()), stage).color);
     }
-    // The memory of a picture counts.
-    let mut small = gpu(&Ceiling { memory: Some(4 << 20), ..Ceiling::default() });
-    draw(&mut small, &stages[0]);
-    let error = small.render(&under(plain(), lamp(1024, 512)), &Control::default()).unwrap_err();
-    assert!(matches!(error, GpuError::Budget { needed, .. } if needed > 8 << 20), "{error}");
+    // The memory of a picture counts, and so does how much of it a shader can be given.
+    let little = gpu(&Ceiling { memory: Some(4 << 20), ..Ceiling::default() });
+    let mut device = device(&Ceiling::default());
+    device.capabilities.limits.max_storage_buffer_binding_size = 2 << 20;
+    for (mut renderer, allowed) in [(little, 4 << 20), (GpuRenderer::on(device), 2 << 20)] {
+        draw(&mut renderer, &stages[0]);
+        let error = renderer.render(&under(plain(), lamp(1024, 512)), &Control::default()).unwrap_err();
+        let is_told = matches!(error, GpuError::Budget { needed, budget, .. } if needed > 8 << 20 && budget == allowed);
+        assert!(is_told, "{error}");
+    }
 }
 
 #[test]
