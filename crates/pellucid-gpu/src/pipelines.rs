@@ -152,8 +152,8 @@ fn frame_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
             types.extend(variant.gated.then_some((22, picture)));
         }
         (Pass::HalfAnglePresence, _) => types.extend([(17, uniform), (22, stored(TextureFormat::R32Float))]),
-        (Pass::PathTrace, _) => types.extend([(5, write), (19, uniform), (20, read)]),
-        (Pass::PathTracePixels, _) => types.extend([(5, write), (7, write)]),
+        (Pass::PathTrace, _) => types.extend([(5, write), (19, uniform), (20, read), (21, read), (22, read)]),
+        (Pass::PathTracePixels, _) => types.extend([(5, write), (7, write), (19, uniform)]),
         (Pass::HalfAngleEye, _) => types.extend([(5, write), (17, uniform), (18, layers)]),
         (Pass::LightPoints, _) => {
             let points = BindingType::StorageTexture {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pellucid_field::Volume;
-use pellucid_optics::{Anisotropy, Environment, Phase, ResolvedLight, Scattering, Shadows};
+use pellucid_optics::{Anisotropy, Phase, ResolvedLight, Scattering, Shadows, Sky};
 use pellucid_scene::{
     Control, Frame, FrameStatistics, Mode, PathTrace, RenderWarning, Stage, StageVolume, TableCache, Tables, Technique,
 };
@@ -15,7 +15,7 @@ use crate::device::Device;
 use crate::half_angle::{self, HalfAngleSlicer};
 use crate::light_volume::{self, LightVolumes};
 use crate::optics::Optics;
-use crate::path_trace::PathTracer;
+use crate::path_trace::{self, PathTracer, UploadedSky};
 use crate::pipelines::Pipelines;
 use crate::plan::Demands;
 use crate::ray_cast::RayCaster;
@@ -245,13 +245,16 @@ impl GpuRenderer {
         let tables = self.tables.tables(stage, volume)?;
         let sources = Source::of(&self.device, volume, &tables, stage);
         let optics = Optics::new(stage, volume, &tables);
+        let sky = stage.path_trace().map(|settings| settings.environment.resolve()).transpose()?.flatten();
         let demands = match stage.slicing() {
             Some(slicing) => slicing::demands(stage, volume, &optics, slicing),
             None => Demands {
                 layout: Layout::Solid,
                 border: bricks::border(stage, volume.volume.grid(), 1.0),
                 pixel_bytes: 0,
-                frame_bytes: stage.half_angle().map_or(0, half_angle::bytes) + light_volume::bytes(stage, volume)?,
+                frame_bytes: stage.half_angle().map_or(0, half_angle::bytes)
+                    + light_volume::bytes(stage, volume)?
+                    + path_trace::bytes(&self.device, sky.as_ref())?,
             },
         };
         let (plan, bricks) = MemoryPlan::new(&self.device, self.budget, stage, volume, &sources, &optics, demands)?;
@@ -264,17 +267,18 @@ impl GpuRenderer {
             let advice = "draw it with --backend cpu, or resample it";
             return Err(GpuError::Budget { what, needed, budget: plan.budget, advice });
         }
-        Ok(Prepared { volume, tables, sources, plan, bricks })
+        Ok(Prepared { volume, tables, sky, sources, plan, bricks })
     }
 
     /// Draws the next frame.
     fn draw(&mut self, stage: &Stage, control: &Control) -> Result<(), GpuError> {
         let started = Instant::now();
-        let Prepared { volume, tables, sources, plan, bricks } = self.prepare(stage)?;
+        let Prepared { volume, tables, sky, sources, plan, bricks } = self.prepare(stage)?;
         let optics = Optics::new(stage, volume, &tables);
         // The memory of the last volume and its tables is free before that of these is asked for.
         self.resident.take_if(|resident| !resident.holds(&sources, &plan, &bricks));
         self.uploads.take_if(|uploads| !uploads.are_of(&tables, &optics));
+        self.reused.sky.take_if(|uploaded| !uploaded.is_of(sky.as_ref()));
         let uploads = self.uploads.get_or_insert_with(|| Uploads::new(&self.device, &tables, &optics));
         let resident = self.resident.get_or_insert_with(|| Resident::new(&self.device, sources, plan.clone(), bricks));
         resident.plan = plan;
@@ -285,7 +289,11 @@ impl GpuRenderer {
             Technique::PathTrace(settings) => {
                 let majorants = self.tables.majorants(&tables, volume, settings.majorants)?;
                 let (what, optics) = ((stage, volume, settings), (optics.0, optics.1, &*majorants));
-                let tracer = PathTracer::new(device, &mut self.pipelines, resident, what, optics, self.drawing);
+                if let Some(Sky::Image { map, .. }) = &sky {
+                    self.reused.sky.get_or_insert_with(|| UploadedSky::new(device, map));
+                }
+                let sky = (sky.as_ref(), self.reused.sky.as_ref());
+                let tracer = PathTracer::new(device, &mut self.pipelines, resident, what, optics, sky, self.drawing);
                 let (mut tracer, drawing) = (tracer?, Instant::now());
                 tracer.draw(&mut self.reused, control, frame)?;
                 drawing
@@ -338,20 +346,11 @@ impl GpuRenderer {
 /// What the path tracer of this backend does not have.
 fn lacks_of_paths(stage: &Stage, settings: &PathTrace) -> Option<String> {
     let lacks = |what: &str| Some(format!("{what} in path_trace"));
-    if stage.lights.iter().any(ResolvedLight::has_extent) {
-        return lacks("lights with a size");
-    }
-    if matches!(settings.environment, Environment::Image(_)) {
-        return lacks("image as an environment");
-    }
-    if settings.denoise || settings.surface_depth > 0.0 {
-        return lacks("denoise or surface_depth");
+    if settings.denoise {
+        return lacks("denoise");
     }
     stage.volumes.iter().find_map(|volume| {
-        let Scattering { phase, anisotropy, extinction_color, .. } = &volume.scattering;
-        if extinction_color.is_some() {
-            return lacks("extinction_color");
-        }
+        let Scattering { phase, anisotropy, .. } = &volume.scattering;
         let varies = matches!(phase, Phase::Hybrid { .. }) && *anisotropy != Anisotropy::Uniform;
         varies.then(|| lacks("anisotropy of a hybrid phase function over the data")).flatten()
     })
@@ -361,6 +360,7 @@ fn lacks_of_paths(stage: &Stage, settings: &PathTrace) -> Option<String> {
 struct Prepared<'s> {
     volume: &'s StageVolume,
     tables: Arc<Tables>,
+    sky: Option<Sky>,
     sources: Vec<Source>,
     plan: MemoryPlan,
     bricks: Vec<Brick>,

@@ -5,6 +5,7 @@ use std::time::Duration;
 use crate::Device;
 use crate::half_angle::Layers;
 use crate::pace::Pace;
+use crate::path_trace::UploadedSky;
 use crate::slicing::Canvas;
 use crate::targets::Targets;
 use crate::timer::Timer;
@@ -59,6 +60,8 @@ pub struct Reused {
     pub canvas: Option<Canvas>,
     /// Layers of light on its way through slabs.
     pub light: Option<Layers>,
+    /// A picture of the sky.
+    pub sky: Option<UploadedSky>,
     /// The device's clock, if it has one.
     pub timer: Option<Timer>,
 }
@@ -73,6 +76,7 @@ impl Reused {
             targets: None,
             canvas: None,
             light: None,
+            sky: None,
             timer: Timer::new(device),
         }
     }

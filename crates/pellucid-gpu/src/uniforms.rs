@@ -266,7 +266,7 @@ mod tests {
     use super::*;
     use crate::half_angle::Sweep;
     use crate::noise::{Noise, Term};
-    use crate::path_trace::Paths;
+    use crate::path_trace::{Extent, Paths};
     use crate::shaders::{self, Constants, Traversal, Variant};
     use crate::slicing::SliceBox;
     use std::mem::offset_of;
@@ -315,9 +315,10 @@ mod tests {
             direction_right direction_up plane ways blur scales cone taps size counts light);
         let eye = Variant::of(shaders::Pass::HalfAngleEye).canonical().link(Constants::Uniform).unwrap();
         assert_eq!(layout(&eye, "Sweep"), sweep);
-        let paths = fields!(Paths: counts more numbers top bottom index_x index_y index_z lens_right lens_up);
+        let paths = fields!(Paths: counts more numbers top bottom picture picture_size surface chroma index_x index_y index_z lens_right lens_up);
         let trace = Variant::of(shaders::Pass::PathTrace).canonical().link(Constants::Uniform).unwrap();
         assert_eq!(layout(&trace, "Paths"), paths);
+        assert_eq!(layout(&trace, "Extent"), fields!(Extent: kind first second normal));
         let noisy = Variant { perturbed: true, ..Variant::of(shaders::Pass::Composite) };
         let noisy = noisy.link(Constants::Uniform).unwrap();
         assert_eq!(layout(&noisy, "Noise"), fields!(Noise: amplitude reach spacing between weights counts terms));

@@ -4,12 +4,12 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{draw, gpu, sample, stage};
+use common::{device, draw, gpu, sample, stage};
 use pellucid_cpu::CpuRenderer;
 use pellucid_field::{Grid, Volume, VoxelType};
-use pellucid_gpu::{Ceiling, GpuError};
-use pellucid_optics::luminance;
-use pellucid_scene::{Cancel, Control, Frame, Stage};
+use pellucid_gpu::{Ceiling, GpuError, GpuRenderer};
+use pellucid_optics::{Color, ColorSpace, Environment, SkyImage, SkyMap, SkySource, luminance};
+use pellucid_scene::{Cancel, Control, Frame, Stage, Technique};
 
 const SIZE: [u32; 2] = [24, 20];
 
@@ -22,6 +22,15 @@ fn clouds(scattering: &str, rest: &str) -> Stage {
          [volumes.scattering]\n{scattering}\n{rest}"
     );
     stage(&volume, &document, SIZE)
+}
+
+/// Whether both backends draw a stage alike, but for noise.
+fn agree(stage: &Stage, what: &str) -> [Frame; 2] {
+    let (expected, found) = (of_cpu(stage), draw(&mut gpu(&Ceiling::default()), stage));
+    let (squares, mean) = scores(&expected, &found);
+    // Of some 300 pixels, four standard errors of a mean of squares; tails are heavier than normal ones.
+    assert!((0.6..1.5).contains(&squares) && mean.abs() < 4.0, "{what}: {squares}, {mean}");
+    [expected, found]
 }
 
 fn of_cpu(stage: &Stage) -> Frame {
@@ -86,14 +95,104 @@ fn pictures_are_those_of_the_cpu_but_for_noise() {
                  {sun}[technique.path_trace]\nsamples = 256\n{sky}\n"
             ),
         ),
+        (
+            "phase.henyey_greenstein.g = 0.5\nextinction_color = \"#ff9040\"",
+            format!("{sun}{lamp}[technique.path_trace]\nsamples = 256\n{sky}\n"),
+        ),
     ];
     for (scattering, rest) in cases {
-        let stage = clouds(scattering, &rest);
-        let (expected, found) = (of_cpu(&stage), draw(&mut gpu(&Ceiling::default()), &stage));
-        let (squares, mean) = scores(&expected, &found);
-        // Of some 300 pixels, four standard errors of a mean of squares; tails are heavier than normal ones.
-        assert!((0.6..1.5).contains(&squares) && mean.abs() < 4.0, "{scattering}: {squares}, {mean}");
+        let [_, found] = agree(&clouds(scattering, &rest), scattering);
         assert!(found.statistics.rays > 0 && found.statistics.rays.is_multiple_of(256), "{scattering}");
+    }
+}
+
+/// Lights that are found by choice and by chance: where the phase function is narrow, mostly by chance.
+#[test]
+fn lights_with_a_size_shine_as_on_the_cpu() {
+    let sun = "radius = 25\nkind.directional.direction = [0.6, 0.7, -0.4]\n";
+    let half = "radius = 90\nkind.directional.direction = [0.6, 0.7, -0.4]\n";
+    let small = "radius = 0.001\nkind.directional.direction = [0.6, 0.7, -0.4]\n";
+    // In the volume itself, where nothing hides behind it.
+    let ball = "radius = 3\nkind.point = { position = [2, -1, 3], falloff.inverse_square.reference = 15 }\n";
+    let spot = "radius = 6\nkind.spot = { position = [-15, -12, 14], direction = [1, 0.8, -1], inner_angle = 10, \
+                outer_angle = 30, falloff.inverse_square.reference = 25 }\n";
+    let face = |two_sided: bool| {
+        format!(
+            "kind.rectangle = {{ center = [-6, -9, 12], edges = [[0, 24, 0], [16, 0, 12]], two_sided = {two_sided}, \
+             falloff.inverse_square.reference = 15 }}\n"
+        )
+    };
+    let (front, both, unmet) = (face(false), face(true), format!("specular = false\n{ball}"));
+    let cases: [&[&str]; 8] =
+        [&[sun], &[half], &[small], &[ball], &[spot], &[&front], &[&both, sun], &[&unmet, &front, ball]];
+    for (number, lights) in cases.into_iter().enumerate() {
+        let lights: String = lights.iter().map(|light| format!("[[lighting.lights]]\n{light}")).collect();
+        for g in [0.0, 0.8] {
+            let phase = format!("phase.henyey_greenstein.g = {g}");
+            agree(
+                &clouds(&phase, &format!("{lights}[technique.path_trace]\nsamples = 128\n")),
+                &format!("{number}, {g}"),
+            );
+        }
+    }
+}
+
+/// A picture of the sky in place of a stage's own.
+fn under(mut stage: Stage, map: SkyMap) -> Stage {
+    let Technique::PathTrace(settings) = &mut stage.technique else { panic!("no paths") };
+    let source = SkySource::File("memory".into());
+    settings.environment =
+        Environment::Image(SkyImage { source, rotation: -70.0, intensity: 1.5, map: Some(Arc::new(map)) });
+    stage
+}
+
+/// A dim sky in which one texel is a lamp.
+fn lamp(width: usize, height: usize) -> SkyMap {
+    let texel = |k: usize| if k == width + 2 { [200.0, 160.0, 90.0] } else { [0.1, 0.2, 0.1 * (k % 5) as f32] };
+    SkyMap::new(width, height, (0..width * height).map(texel).collect()).unwrap()
+}
+
+#[test]
+fn a_picture_of_the_sky_shines_as_on_the_cpu() {
+    let path = "[technique.path_trace]\nsamples = 128\n";
+    let none = "[lighting]\nlights = []\n";
+    let sun = "[[lighting.lights]]\nradius = 20\nkind.directional.direction = [0.6, 0.7, -0.4]\n";
+    for g in [0.0, 0.8] {
+        let phase = format!("phase.henyey_greenstein.g = {g}");
+        for lights in [none, sun] {
+            let day =
+                format!("{lights}{path}environment.image = {{ source = \"day\", rotation = 130, intensity = 0.7 }}\n");
+            agree(&clouds(&phase, &day), &format!("day, {g}, {lights}"));
+        }
+        agree(&under(clouds(&phase, &format!("{none}{path}")), lamp(9, 4)), &format!("a lamp, {g}"));
+    }
+}
+
+#[test]
+fn skies_follow_one_another() {
+    let settings = "[technique.path_trace]\nsamples = 16\n";
+    let plain = || clouds("", settings);
+    let gradient = "environment.gradient = { top = \"#a0c0ff\", bottom = \"#403020\" }\n";
+    let stages = [
+        under(plain(), lamp(9, 4)),
+        under(plain(), lamp(16, 8)),
+        clouds("", &format!("{settings}{gradient}")),
+        under(plain(), lamp(9, 4)),
+        plain(),
+    ];
+    let mut renderer = gpu(&Ceiling::default());
+    for stage in &stages {
+        assert_eq!(draw(&mut renderer, stage).color, draw(&mut gpu(&Ceiling::default()), stage).color);
+    }
+    // The memory of a picture counts, and so does how much of it a shader can be given.
+    let little = gpu(&Ceiling { memory: Some(4 << 20), ..Ceiling::default() });
+    let mut device = device(&Ceiling::default());
+    device.capabilities.limits.max_storage_buffer_binding_size = 2 << 20;
+    for (mut renderer, allowed) in [(little, 4 << 20), (GpuRenderer::on(device), 2 << 20)] {
+        draw(&mut renderer, &stages[0]);
+        let error = renderer.render(&under(plain(), lamp(1024, 512)), &Control::default()).unwrap_err();
+        let is_told = matches!(error, GpuError::Budget { needed, budget, .. } if needed > 8 << 20 && budget == allowed);
+        assert!(is_told, "{error}");
     }
 }
 
@@ -106,14 +205,20 @@ fn surfaces_reflect_as_on_the_cpu() {
          [volumes.scattering.surface]\ngradient = { low = 0.1, high = 0.8 }\n\
          [[lighting.lights]]\nkind.directional.direction = [0.6, 0.7, -0.4]\n\
          [technique.path_trace]\nsamples = 400\nenvironment.constant.color = \"#808080\"\n";
-    let stage = stage(&volume, document, [48, 40]);
-    let (expected, found) = (of_cpu(&stage), draw(&mut gpu(&Ceiling::default()), &stage));
-    let (squares, mean) = scores(&expected, &found);
-    assert!((0.6..1.5).contains(&squares) && mean.abs() < 4.0, "{squares}, {mean}");
+    let [expected, found] = agree(&stage(&volume, document, [48, 40]), "a ball");
     // Both say where half of the light has collided.
     let near = expected.depth.iter().zip(&found.depth).filter(|(a, b)| (*a - *b).abs() < 0.1).count();
     let both = expected.depth.iter().zip(&found.depth).filter(|(a, b)| a.is_finite() && b.is_finite()).count();
     assert!(both > 100 && near * 10 > both * 9, "{near} of {both}");
+    // Highlights of lights with a size are found by chance; and surfaces in front of their matter, where that is thin
+    // and where it is so thick that a voxel is the most.
+    let sun = "kind.directional.direction = [0.6, 0.7, -0.4]\n";
+    for (instead, surface_depth) in
+        [(format!("{sun}radius = 15\n"), 0.0), (sun.to_owned(), 0.5), (sun.to_owned(), 50.0)]
+    {
+        let document = format!("{}surface_depth = {surface_depth:.1}\n", document.replace(sun, &instead));
+        agree(&stage(&volume, &document, [36, 30]), &document);
+    }
 }
 
 /// A white medium in a white sky is not seen: what collides brings as much light as what does not.
@@ -149,6 +254,32 @@ fn what_collides_is_what_beers_law_says() {
     let expected = 1.0 - 0.7f64.powi(4);
     let error = (expected * (1.0 - expected) / (500.0 * inner.len() as f64)).sqrt();
     assert!(inner.len() > 50 && (mean - expected).abs() < 4.0 * error, "{mean}, not {expected} within {error}");
+}
+
+/// The same where colours have extinctions of their own (K-13): what is left is their mean.
+#[test]
+fn colors_collide_by_extinctions_of_their_own() {
+    let grid = Grid::new([9, 5, 9]).unwrap();
+    let volume = Arc::new(Volume::new(grid, vec![1.0f32; 9 * 5 * 9]).unwrap());
+    let document = "[volumes.transfer_function]\ncolors = [[0, \"#ffffff\"]]\nopacities = [[0, 0.6], [2, 0.6]]\n\
+         unit_distance = 1.0\n[volumes.scattering]\nalbedo.constant = 0.0\nextinction_color = \"#ffc090\"\n\
+         [camera]\nprojection.orthographic = {}\nview.orbit = { azimuth = 0, elevation = 0 }\n\
+         [quality]\nstep = 0.1\n[technique.path_trace]\nsamples = 500\n";
+    let stage = stage(&volume, document, [16, 16]);
+    let found = draw(&mut gpu(&Ceiling::default()), &stage);
+    let factors = Color::hex(0xffc090).to_linear(ColorSpace::Srgb);
+    let left = |depth: f64| factors.iter().map(|factor| 0.4f64.powf(depth * f64::from(*factor))).sum::<f64>() / 3.0;
+    let inner: Vec<usize> = (0..found.color.len()).filter(|k| found.color[*k][3] > 0.6).collect();
+    let mean = inner.iter().map(|k| f64::from(found.color[*k][3])).sum::<f64>() / inner.len() as f64;
+    let expected = 1.0 - left(4.0);
+    let error = (expected * (1.0 - expected) / (500.0 * inner.len() as f64)).sqrt();
+    assert!(inner.len() > 50 && (mean - expected).abs() < 4.0 * error, "{mean}, not {expected} within {error}");
+    // Half of it is lost within a step of the depth.
+    let entry = -stage.viewpoint.eye.y;
+    for k in inner {
+        let depth = f64::from(found.depth[k]) - entry;
+        assert!(left(depth - stage.step) > 0.5 && left(depth + stage.step) < 0.5, "{depth}: {}", left(depth));
+    }
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::{Incident, LightShape, ResolvedLight};
 
 /// What shines around the middle of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Extent {
+pub enum Extent {
     /// Nothing: the middle alone.
     Point,
     /// Directions around that of a directional light.
@@ -31,7 +31,7 @@ pub(crate) enum Extent {
 
 /// A parallelogram that shines.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Face {
+pub struct Face {
     edges: [Vec3; 2],
     /// Unit vector out of the side that shines.
     normal: Vec3,
@@ -65,6 +65,11 @@ pub struct LightSeen {
 const SMALLEST: f32 = 1e-12;
 
 impl ResolvedLight {
+    /// What shines around its middle.
+    pub fn extent(&self) -> Extent {
+        self.extent
+    }
+
     /// Whether it has a size; otherwise it is met by choice alone, never by chance.
     pub fn has_extent(&self) -> bool {
         self.extent != Extent::Point
@@ -165,15 +170,35 @@ impl ResolvedLight {
 
 impl Face {
     /// A face with these edges; `None` if they span none.
-    pub fn new(edges: [Vec3; 2], two_sided: bool) -> Option<Self> {
+    pub(crate) fn new(edges: [Vec3; 2], two_sided: bool) -> Option<Self> {
         let across = edges[0].cross(edges[1]);
         let area = across.length();
         let normal = across.try_normalize().filter(|_| area.is_finite())?;
         Some(Self { edges, normal, area, two_sided })
     }
 
+    /// Its edges, in world units.
+    pub fn edges(&self) -> [Vec3; 2] {
+        self.edges
+    }
+
+    /// The unit vector out of the side that shines.
+    pub fn normal(&self) -> Vec3 {
+        self.normal
+    }
+
+    /// In square world units.
+    pub fn area(&self) -> f32 {
+        self.area
+    }
+
+    /// Whether it shines to both sides.
+    pub fn is_two_sided(&self) -> bool {
+        self.two_sided
+    }
+
     /// How much of the face is seen by light that goes along `to_light` to it: the cosine at the face.
-    pub fn cosine(&self, to_light: Vec3) -> f32 {
+    pub(crate) fn cosine(&self, to_light: Vec3) -> f32 {
         let cosine = -self.normal.dot(to_light);
         if self.two_sided { cosine.abs() } else { cosine.max(0.0) }
     }

@@ -46,7 +46,7 @@ pub use colormap::ColorMap;
 pub use control_point::{ColorPoint, Interpolation, NumberPoint, OpacityPoint};
 pub use environment::{Environment, Sky, SkyImage, SkyMap, SkySource};
 pub use error::OpticsError;
-pub use extent::{LightSample, LightSeen};
+pub use extent::{Extent, Face, LightSample, LightSeen};
 pub use extinction_bounds::ExtinctionBounds;
 pub use light::{Falloff, Frame, Incident, Light, LightCone, LightKind, LightShape, ResolvedLight};
 pub use lighting::Lighting;

@@ -8,7 +8,9 @@ use serde::{Deserialize, Serialize};
 use crate::control_point::{check, locate};
 use crate::error::checked;
 use crate::phase::MOST_ANISOTROPY;
-use crate::{Color, ColorPoint, ColorSpace, GradientWeight, NumberPoint, OpticsError, Phase, PhaseNormalization};
+use crate::{
+    Color, ColorPoint, ColorSpace, GradientWeight, NumberPoint, OpticsError, Phase, PhaseNormalization, ResolvedLight,
+};
 
 /// How a volume scatters light. The transfer function says how much light a sample takes out of a ray
 /// (its extinction); this says what becomes of it.
@@ -119,6 +121,13 @@ impl Scattering {
     /// The factors of the extinction for each colour, linear and 0 to 1, where not all of them are 1 (K-13).
     pub fn extinction_factors(&self) -> Option<[f32; 3]> {
         self.extinction_color.map(|color| color.to_linear(ColorSpace::Srgb)).filter(|factors| *factors != [1.0; 3])
+    }
+
+    /// Whether paths that were scattered find a light by chance as well as by choice. They carry what all lights
+    /// bring: highlights, which a light may not make, and the share of light that is physical.
+    pub fn meets(&self, light: &ResolvedLight) -> bool {
+        let physical = self.phase_normalization == PhaseNormalization::Physical;
+        light.has_extent() && light.is_specular() && physical
     }
 
     /// How a sample of this data value scatters that the transfer function gives this colour (linear RGB)

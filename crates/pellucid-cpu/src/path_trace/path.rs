@@ -1,7 +1,7 @@
 //! One path of light, followed from the eye.
 
 use glam::Vec3;
-use pellucid_optics::{Material, PhaseNormalization, Reflection, ResolvedLight, Scatterer, Scattering, Sky, Table};
+use pellucid_optics::{Material, Reflection, ResolvedLight, Scatterer, Scattering, Sky, Table};
 use pellucid_scene::{PathTrace, Ray};
 
 use super::medium::Medium;
@@ -160,7 +160,7 @@ impl<F: Values> World<'_, F> {
                 let u = if light.has_extent() { random.pair() } else { [0.0; 2] };
                 let sample = light.sample(self.medium.space.world(at), u);
                 let direction = sample.incident.to_light;
-                let others = if self.is_met(light) { vertex.pdf(direction) * sources as f32 } else { 0.0 };
+                let others = if self.scattering.meets(light) { vertex.pdf(direction) * sources as f32 } else { 0.0 };
                 let share = 1.0 / (1.0 + others / sample.density);
                 (direction, sample.distance, vertex.light(sample.incident).map(|v| v * share))
             }
@@ -182,13 +182,6 @@ impl<F: Values> World<'_, F> {
         scale(light, through).map(|v| v * sources as f32)
     }
 
-    /// Whether a light is found by scattering as well. Paths that scatter carry what all lights bring: highlights,
-    /// which a light may not make, and the share of light that is physical.
-    fn is_met(&self, light: &ResolvedLight) -> bool {
-        let physical = self.scattering.phase_normalization == PhaseNormalization::Physical;
-        light.has_extent() && light.is_specular() && physical
-    }
-
     /// The lights that a scattered path meets before its next collision, which is `way` off, with the share that
     /// [`direct`](Self::direct) leaves them. Nothing hides behind a light.
     fn add_lights(
@@ -201,7 +194,7 @@ impl<F: Values> World<'_, F> {
         density: f32,
     ) {
         let sources = (self.lights.len() + usize::from(self.sky.is_some())) as f32;
-        for light in self.lights.iter().filter(|light| self.is_met(light)) {
+        for light in self.lights.iter().filter(|light| self.scattering.meets(light)) {
             let seen = light.seen(self.medium.space.world(flight.origin), direction);
             if let Some(seen) = seen.filter(|seen| seen.distance <= way) {
                 let share = density / (density + seen.density / sources);

@@ -1,12 +1,14 @@
 //! The path tracer: a path of light for every pixel at a time, until there are enough of them, as the CPU backend
 //! follows them. Random numbers are others, and so is the noise.
 
+mod extents;
 mod numbers;
+mod sky;
 
 use std::time::Instant;
 
 use bytemuck::bytes_of;
-use pellucid_optics::Material;
+use pellucid_optics::{Material, Sky};
 use pellucid_scene::{Control, Frame as Picture, MajorantGrid, PathTrace, Stage, StageVolume};
 use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, CommandEncoderDescriptor};
 
@@ -26,7 +28,9 @@ use crate::uploads::{Uploads, storage};
 use crate::window::Window;
 use crate::{Device, GpuError};
 
+pub use extents::Extent;
 pub use numbers::Paths;
+pub use sky::{UploadedSky, bytes};
 
 /// Most paths of a pixel in a submission.
 const MOST_PATHS: u32 = 256;
@@ -39,6 +43,8 @@ pub struct PathTracer<'a> {
     settings: &'a PathTrace,
     numbers: Buffer,
     majorants: Buffer,
+    extents: Buffer,
+    sky: Buffer,
     trace: Pipeline,
     pixels: Pipeline,
 }
@@ -54,6 +60,7 @@ impl<'a> PathTracer<'a> {
         resident: &'a mut Resident,
         (stage, volume, settings): (&Stage, &StageVolume, &'a PathTrace),
         (optics, uploads, majorants): (&Optics, &'a Uploads, &MajorantGrid),
+        (sky, uploaded): (Option<&Sky>, Option<&UploadedSky>),
         drawing: Drawing,
     ) -> Result<Self, GpuError> {
         let alter = |frame: &mut uniforms::Frame| {
@@ -69,15 +76,17 @@ impl<'a> PathTracer<'a> {
             Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter);
         let trace = pipelines.get(device, Variant { pass: Pass::PathTrace, ..bindings.variant })?.clone();
         let pixels = pipelines.get(device, Variant { pass: Pass::PathTracePixels, ..bindings.variant })?.clone();
-        let grid = volume.volume.grid();
-        let numbers = Paths::new(stage, grid, settings, majorants)?;
+        let numbers = Paths::new(stage, volume, settings, majorants, sky);
         let number = |(block, &[_, most]): (usize, &[f32; 2])| {
             [most * stage.step as f32, f32::from(majorants.leaps.distance(block))]
         };
         let blocks: Vec<[f32; 2]> = majorants.bounds.iter().enumerate().map(number).collect();
+        let extents: Vec<Extent> = stage.lights.iter().map(|light| Extent::new(light, &volume.scattering)).collect();
         Ok(Self {
             numbers: device.constant_buffer("paths", bytes_of(&numbers)),
             majorants: storage(device, "majorants", &blocks),
+            extents: storage(device, "extents", &extents),
+            sky: uploaded.map_or_else(|| storage::<f32>(device, "sky", &[]), |sky| sky.texels.clone()),
             device,
             resident,
             bindings,
@@ -126,7 +135,9 @@ impl<'a> PathTracer<'a> {
         let views = self.resident.textures(self.device, &brick, control)?;
         let volume = self.bindings.volume_group(&self.trace.groups[1], &views);
         let states = (5, targets.states.as_entire_binding());
-        let sees = [states.clone(), (19, self.numbers.as_entire_binding()), (20, self.majorants.as_entire_binding())];
+        let own = [(19, &self.numbers), (20, &self.majorants), (21, &self.extents), (22, &self.sky)];
+        let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
+        let sees: Vec<_> = std::iter::once(states.clone()).chain(own).collect();
         let size = [targets.width, rows];
         let mut path = 0;
         while path < self.settings.samples {
@@ -154,7 +165,9 @@ impl<'a> PathTracer<'a> {
             report(f64::from(path) / f64::from(self.settings.samples));
         }
         let passes = PassBuffer::new(self.device, [uniforms::Pass { rows: [row, rows, 0, 0], ..Default::default() }]);
-        let [frame, table] = self.groups(&self.pixels, &passes, &[states, (7, targets.pixels.as_entire_binding())]);
+        let pixels = (7, targets.pixels.as_entire_binding());
+        let numbers = (19, self.numbers.as_entire_binding());
+        let [frame, table] = self.groups(&self.pixels, &passes, &[states, pixels, numbers]);
         let mut encoder = self.encoder();
         dispatch(&mut encoder, &self.pixels.pipeline, &[&frame, &volume, &table], 0, size, None);
         targets.copy(&mut encoder, rows);

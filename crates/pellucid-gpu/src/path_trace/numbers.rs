@@ -1,10 +1,9 @@
 //! What shaders are told of paths: the structure of `paths.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
-use glam::DVec3;
-use pellucid_field::Grid;
-use pellucid_optics::{OpticsError, Sky};
-use pellucid_scene::{Jitter, MajorantGrid, PathTrace, Stage};
+use glam::{DVec3, Vec3};
+use pellucid_optics::Sky;
+use pellucid_scene::{Jitter, MajorantGrid, PathTrace, Stage, StageVolume};
 
 use crate::uniforms::four;
 
@@ -19,6 +18,10 @@ pub struct Paths {
     pub numbers: Four,
     pub top: Four,
     pub bottom: Four,
+    pub picture: Four,
+    pub picture_size: [u32; 4],
+    pub surface: Four,
+    pub chroma: Four,
     pub index_x: Four,
     pub index_y: Four,
     pub index_z: Four,
@@ -27,17 +30,16 @@ pub struct Paths {
 }
 
 impl Paths {
-    /// Of a stage that looks at a grid.
-    ///
-    /// # Errors
-    /// As [`pellucid_optics::Environment::resolve`].
+    /// Of a stage that looks at a volume.
     pub fn new(
         stage: &Stage,
-        grid: &Grid,
+        volume: &StageVolume,
         settings: &PathTrace,
         majorants: &MajorantGrid,
-    ) -> Result<Self, OpticsError> {
-        let view = &stage.viewpoint;
+        sky: Option<&Sky>,
+    ) -> Self {
+        let (view, grid) = (&stage.viewpoint, volume.volume.grid());
+        let chroma = volume.scattering.extinction_factors();
         let frames = match stage.quality.jitter {
             Jitter::Centered => 0,
             // Frames to be averaged differ by it.
@@ -50,28 +52,39 @@ impl Paths {
         let size = majorants.size.min(1e9);
         let rows = grid.index_from_world().matrix3.transpose() * stage.step;
         let [index_x, index_y, index_z] = [rows.x_axis, rows.y_axis, rows.z_axis].map(|row: DVec3| four(row, 0.0));
-        let (top, bottom) = sky(settings.environment.resolve()?);
-        Ok(Self {
+        let mut paths = Self {
             counts: [settings.seed, frames, settings.samples, settings.bounces],
             more: [settings.roulette, x, y, z],
             numbers: [settings.noise, in_steps(settings.aperture), in_steps(focus), size],
-            top,
-            bottom,
+            // No surface is told more finely than in voxels.
+            surface: [settings.surface_depth, in_steps(grid.mean_spacing()), 0.0, 0.0],
+            chroma: chroma.map_or([1.0, 1.0, 1.0, 0.0], |[r, g, b]| [r, g, b, 1.0]),
             index_x,
             index_y,
             index_z,
             lens_right: four(view.right, 0.0),
             lens_up: four(view.up, 0.0),
-        })
-    }
-}
-
-/// Its ends, with the slope of its brightness, and that it is there.
-fn sky(sky: Option<Sky>) -> (Four, Four) {
-    match sky {
-        Some(Sky::Gradient { top: [r, g, b], bottom: [red, green, blue], slope }) => {
-            ([r, g, b, slope], [red, green, blue, 1.0])
+            ..Self::default()
+        };
+        if let Some(sky) = sky {
+            paths.set_sky(sky);
         }
-        _ => ([0.0; 4], [0.0; 4]),
+        paths
+    }
+
+    fn set_sky(&mut self, sky: &Sky) {
+        self.bottom[3] = 1.0;
+        match sky {
+            Sky::Gradient { top: [r, g, b], bottom: [red, green, blue], slope } => {
+                self.top = [*r, *g, *b, *slope];
+                self.bottom = [*red, *green, *blue, 1.0];
+            }
+            Sky::Image { map, turn, intensity } => {
+                let x = *turn * Vec3::X;
+                let [width, height] = map.size().map(|n| n as u32);
+                self.picture = [x.x, x.y, *intensity, map.flux().recip() as f32];
+                self.picture_size = [width, height, 0, 0];
+            }
+        }
     }
 }

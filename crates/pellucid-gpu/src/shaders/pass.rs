@@ -13,7 +13,7 @@ macro_rules! source {
 }
 
 /// What passes import; each only from those above it.
-pub(super) const SHARED: [Source; 26] = [
+pub(super) const SHARED: [Source; 28] = [
     source!("frame"),
     source!("ray"),
     source!("kernel"),
@@ -40,6 +40,8 @@ pub(super) const SHARED: [Source; 26] = [
     source!("random"),
     source!("paths"),
     source!("vertex"),
+    source!("extent"),
+    source!("sky"),
 ];
 
 /// What a pass makes of the volume.

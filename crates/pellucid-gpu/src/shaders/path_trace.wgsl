@@ -1,12 +1,14 @@
 // A path of light for each pixel, from the eye to where its light came from: `path.rs` of the CPU backend. The pass:
 // rows of the picture, the number of the path; 1 if it is the first.
-#import pellucid::frame::{frame, bounds, world_of}
-#import pellucid::light::{incident, lights, normal_of}
+#import pellucid::frame::{frame, bounds}
+#import pellucid::extent::{extents, light_seen, sample_light}
+#import pellucid::light::{lights, normal_of}
 #import pellucid::march::{new_state, states, DONE, HIT}
 #import pellucid::paths::{collide, leave_along, paths, to_voxels, transmittance, Flight, FAR_AWAY}
 #import pellucid::random::{begin_stream, random}
 #import pellucid::ray::{beam_of, span_of}
-#import pellucid::vertex::{cloud_vertex, turned, vertex_density, vertex_light, vertex_sample, vertex_value, Vertex}
+#import pellucid::sky::{has_sky, sample_sky, sky_in}
+#import pellucid::vertex::{cloud_vertex, vertex_density, vertex_light, vertex_sample, vertex_value, Vertex}
 #import pellucid::scatter::{PI, gradient_share, scatterer_of}
 #ifdef SHADED
 #import pellucid::field::field_gradient
@@ -16,21 +18,6 @@
 const FEWEST: f32 = 64.0;
 const BATCH: u32 = 16u;
 const DARK: f32 = 1e-3;
-
-fn sky_radiance(direction: vec3<f32>) -> vec3<f32> {
-    return mix(paths.bottom.rgb, paths.top.rgb, 0.5 + 0.5 * direction.z);
-}
-
-fn sky_density(direction: vec3<f32>) -> f32 {
-    return (1.0 + paths.top.w * direction.z) / (4.0 * PI);
-}
-
-fn sky_sample() -> vec3<f32> {
-    let s = paths.top.w;
-    let t = 2.0 * random() - 1.0;
-    let z = (2.0 * t + s) / (1.0 + sqrt(max(1.0 + s * (2.0 * t + s), 0.0)));
-    return turned(vec3<f32>(0.0, 0.0, 1.0), clamp(z, -1.0, 1.0), random());
-}
 
 // A path from the eye.
 struct Beam {
@@ -80,6 +67,12 @@ fn vertex_of(p: vec3<f32>, value: f32, color: vec3<f32>, forward: vec3<f32>) -> 
     return cloud_vertex(p, value, forward);
 }
 
+// Where a surface is lit: in front of the matter that belongs to it, which is so many mean free paths deep.
+fn in_front(p: vec3<f32>, normal: vec3<f32>, extinction: f32) -> vec3<f32> {
+    let way = leave_along(p, normal, min(paths.surface.x / extinction, paths.surface.y));
+    return way.origin + way.direction * way.length;
+}
+
 struct Light {
     radiance: vec3<f32>,
     looks: u32,
@@ -95,25 +88,41 @@ fn direct(p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
     var distance = FAR_AWAY;
     var light = vec3<f32>(0.0);
     if chosen < frame.counts.x {
-        let source = lights[chosen];
-        let arriving = incident(source, p);
-        direction = arriving.to_light;
-        if source.place.w != 0.0 {
-            distance = length(source.place.xyz - world_of(p)) / frame.picture.w;
+        let found = sample_light(chosen, p);
+        direction = found.arriving.to_light;
+        distance = found.distance;
+        light = vertex_light(vertex, found.arriving, lights[chosen].radiance.w != 0.0);
+        if extents[chosen].kind.y != 0u {
+            light /= 1.0 + vertex_density(vertex, direction) * f32(sources) / found.density;
         }
-        light = vertex_light(vertex, arriving, source.radiance.w != 0.0);
     } else {
-        direction = sky_sample();
-        let density = sky_density(direction) / f32(sources);
+        let sky = sample_sky();
+        direction = sky.direction;
+        let density = sky.density / f32(sources);
         // The balance heuristic (Veach and Guibas 1995): the sky is found by scattering as well.
         let share = 1.0 / (density + vertex_density(vertex, direction));
-        light = vertex_value(vertex, direction) * sky_radiance(direction) * share / f32(sources);
+        light = vertex_value(vertex, direction) * sky.radiance * share / f32(sources);
     }
     if all(light <= vec3<f32>(0.0)) {
         return Light(vec3<f32>(0.0), 0u);
     }
     let through = transmittance(leave_along(p, direction, distance));
-    return Light(light * through.x * f32(sources), u32(through.y));
+    return Light(light * through.rgb * f32(sources), u32(through.a));
+}
+
+// The lights that a scattered path meets before its next collision, which is `way` off, with the share that `direct`
+// leaves them. Nothing hides behind a light.
+fn lights_met(p: vec3<f32>, direction: vec3<f32>, way: f32, density: f32, sources: u32) -> vec3<f32> {
+    var radiance = vec3<f32>(0.0);
+    for (var i = 0u; i < frame.counts.x; i += 1u) {
+        if extents[i].kind.y != 0u {
+            let seen = light_seen(i, p, direction);
+            if seen.distance <= way {
+                radiance += seen.radiance * (density / (density + seen.density / f32(sources)));
+            }
+        }
+    }
+    return radiance;
 }
 
 // What a path brought.
@@ -130,26 +139,34 @@ fn follow(start: Beam) -> Found {
     var throughput = vec3<f32>(1.0);
     // Density with which the last scattering chose the direction.
     var density = 0.0;
-    let has_sky = paths.bottom.w != 0.0;
-    let sources = frame.counts.x + select(0u, 1u, has_sky);
+    let sources = frame.counts.x + select(0u, 1u, has_sky());
     for (var scatterings = 0u; ; scatterings += 1u) {
-        let collision = collide(flight);
+        let collision = collide(flight, throughput);
+        throughput = collision.carried;
         found.looks += collision.looks;
+        if scatterings > 0u {
+            let met = lights_met(flight.origin, forward, collision.distance, density, sources);
+            found.radiance += throughput * met;
+        }
         if collision.distance >= FAR_AWAY {
-            if scatterings > 0u && has_sky {
-                let share = density / (density + sky_density(forward) / f32(sources));
-                found.radiance += throughput * sky_radiance(forward) * share;
+            if scatterings > 0u && has_sky() {
+                let sky = sky_in(forward);
+                let share = density / (density + sky.density / f32(sources));
+                found.radiance += throughput * sky.radiance * share;
             }
             return found;
         }
         found.has_collided = true;
-        let p = flight.origin + flight.direction * collision.distance;
+        var p = flight.origin + flight.direction * collision.distance;
         let color = collision.matter.rgb;
         found.radiance += throughput * color * frame.material.x;
         if scatterings == paths.counts.w {
             return found;
         }
         let vertex = vertex_of(p, collision.value, color, forward);
+        if vertex.is_surface && paths.surface.x > 0.0 {
+            p = in_front(p, vertex.normal, collision.matter.a);
+        }
         let light = direct(p, vertex, sources);
         found.radiance += throughput * light.radiance;
         found.looks += light.looks;

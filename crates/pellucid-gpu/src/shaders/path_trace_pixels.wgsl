@@ -4,7 +4,7 @@
 #import pellucid::march::{states, HIT, NOWHERE}
 #import pellucid::pixel::{Pixel, pixels}
 #import pellucid::ray::{ray_at, ray_of, sample_of}
-#import pellucid::paths::matter_at
+#import pellucid::paths::{matter_at, paths}
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -22,7 +22,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             let sample = sample_of(ray, k);
             let p = ray_at(ray, sample.distance);
             thickness += matter_at(p, field_value(p)).a * sample.ratio;
-            if thickness >= 0.6931472 {
+            // What is left of white light.
+            if dot(exp(-paths.chroma.rgb * thickness), vec3<f32>(1.0 / 3.0)) <= 0.5 {
                 depth = (ray.entry + sample.distance) * frame.picture.w;
                 break;
             }

@@ -22,6 +22,14 @@ struct Paths {
     // The sky from above and below; how much brighter than the mean it is above; 1 if there is one.
     top: vec4<f32>,
     bottom: vec4<f32>,
+    // Of a sky that is a picture: cosine and sine of its turn around z, factor of its light, one over its flux; its
+    // columns and rows, 0 of another sky.
+    picture: vec4<f32>,
+    picture_size: vec4<u32>,
+    // How far in front of its collision a surface is lit: in mean free paths, and at most in steps.
+    surface: vec4<f32>,
+    // Factors of the extinction for each colour; 1 if they differ (K-13).
+    chroma: vec4<f32>,
     // Rows of the matrix from steps of the world to voxels.
     index_x: vec4<f32>,
     index_y: vec4<f32>,
@@ -54,6 +62,8 @@ struct Collision {
     value: f32,
     // Colour, and extinction per step.
     matter: vec4<f32>,
+    // What the path carries after it.
+    carried: vec3<f32>,
     looks: u32,
 }
 
@@ -173,10 +183,21 @@ fn next_collision(tracking: ptr<function, Tracking>, flight: Flight) -> f32 {
     return majorant;
 }
 
+// Whether colours collide that do so with these chances: together, by what they carry, which changes while its sum stays
+// (Kutz et al. 2017).
+fn decide(carried: ptr<function, vec3<f32>>, chances: vec3<f32>) -> bool {
+    let before = *carried;
+    let chance = dot(before, chances) / dot(before, vec3<f32>(1.0));
+    let is_real = random() < chance;
+    *carried = before * select((1.0 - chances) / (1.0 - chance), chances / chance, is_real);
+    return is_real;
+}
+
 // The next collision along a flight, by delta tracking (Woodcock et al. 1965): a collision with a medium as dense as
 // the majorant is one with the medium as often as that is as dense.
-fn collide(flight: Flight) -> Collision {
-    var found = Collision(FAR_AWAY, 0.0, vec4<f32>(0.0), 0u);
+fn collide(flight: Flight, carried: vec3<f32>) -> Collision {
+    var found = Collision(FAR_AWAY, 0.0, vec4<f32>(0.0), carried, 0u);
+    var left = carried;
     var tracking = begin_tracking(flight);
     loop {
         let majorant = next_collision(&tracking, flight);
@@ -187,21 +208,30 @@ fn collide(flight: Flight) -> Collision {
         let p = flight.origin + flight.direction * tracking.distance;
         let value = field_value(p);
         let matter = matter_at(p, value);
-        if random() * majorant < matter.a {
-            return Collision(tracking.distance, value, matter, found.looks);
+        let chance = matter.a / majorant;
+        var is_real = false;
+        if paths.chroma.w == 0.0 {
+            is_real = random() < chance;
+        } else {
+            is_real = decide(&left, min(paths.chroma.rgb * chance, vec3<f32>(1.0)));
+        }
+        if is_real {
+            return Collision(tracking.distance, value, matter, left, found.looks);
         }
     }
+    found.carried = left;
     return found;
 }
 
-// An estimate of the share of light that gets through, by ratio tracking (Novak et al. 2014), and the looks it took.
-fn transmittance(flight: Flight) -> vec2<f32> {
+// An estimate of the share of each colour that gets through, by ratio tracking (Novak et al. 2014), and the looks it
+// took.
+fn transmittance(flight: Flight) -> vec4<f32> {
     // Below this, a transmittance is left to chance: what gets through is rare and worth as much more.
     const FAINT: f32 = 0.05;
     var tracking = begin_tracking(flight);
-    var through = 1.0;
+    var through = vec3<f32>(1.0);
     var looks = 0.0;
-    while through > 0.0 {
+    while any(through > vec3<f32>(0.0)) {
         let majorant = next_collision(&tracking, flight);
         if majorant == 0.0 {
             break;
@@ -209,10 +239,11 @@ fn transmittance(flight: Flight) -> vec2<f32> {
         looks += 1.0;
         let p = flight.origin + flight.direction * tracking.distance;
         let matter = matter_at(p, field_value(p));
-        through *= 1.0 - min(matter.a / majorant, 1.0);
-        if through < FAINT {
-            through = select(FAINT, 0.0, random() * FAINT >= through);
+        through *= 1.0 - min(paths.chroma.rgb * (matter.a / majorant), vec3<f32>(1.0));
+        let most = max(through.x, max(through.y, through.z));
+        if most < FAINT {
+            through *= select(FAINT / most, 0.0, random() * FAINT >= most);
         }
     }
-    return vec2<f32>(through, looks);
+    return vec4<f32>(through, looks);
 }

@@ -21,6 +21,11 @@ struct Vertex {
 
 // The unit vector at an angle of cosine `mu` from the unit vector `axis`, a share `turn` of a full turn around it.
 fn turned(axis: vec3<f32>, mu: f32, turn: f32) -> vec3<f32> {
+    return turned_by(axis, mu, sqrt(max(1.0 - mu * mu, 0.0)), turn);
+}
+
+// The same with the angle's sine, which its cosine does not tell where it is small.
+fn turned_by(axis: vec3<f32>, mu: f32, across: f32, turn: f32) -> vec3<f32> {
     // Duff et al. 2017.
     let sign = select(-1.0, 1.0, axis.z >= 0.0);
     let a = -1.0 / (sign + axis.z);
@@ -28,7 +33,6 @@ fn turned(axis: vec3<f32>, mu: f32, turn: f32) -> vec3<f32> {
     let side = vec3<f32>(1.0 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x);
     let up = vec3<f32>(b, sign + axis.y * axis.y * a, -axis.y);
     let angle = 2.0 * PI * turn;
-    let across = sqrt(max(1.0 - mu * mu, 0.0));
     return normalize(axis * mu + (side * cos(angle) + up * sin(angle)) * across);
 }
 

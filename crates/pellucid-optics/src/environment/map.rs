@@ -54,6 +54,36 @@ impl SkyMap {
         Ok(Self { width, height, rows, columns, flux: fluxes.iter().sum(), texels })
     }
 
+    /// Columns and rows.
+    pub fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    /// Linear RGB, rows from the top.
+    pub fn texels(&self) -> &[[f32; 3]] {
+        &self.texels
+    }
+
+    /// Share of the light above the end of each row.
+    pub fn row_shares(&self) -> &[f32] {
+        &self.rows
+    }
+
+    /// Share of a row's light left of the end of each of its texels, in the order of those.
+    pub fn column_shares(&self) -> &[f32] {
+        &self.columns
+    }
+
+    /// The integral of the luminance over all directions.
+    pub fn flux(&self) -> f64 {
+        self.flux
+    }
+
+    /// The height of the upper side of a row, 1 straight above and -1 straight below.
+    pub fn side(&self, row: usize) -> f32 {
+        cosine(row, self.height) as f32
+    }
+
     /// Whether there is any light.
     pub fn is_dark(&self) -> bool {
         self.flux <= 0.0
@@ -80,7 +110,7 @@ impl SkyMap {
         let (row, down) = invert(&self.rows, u[0]);
         let (column, right) = invert(&self.columns[row * self.width..][..self.width], u[1]);
         // Places are even in the solid angle, which is the turn times the height.
-        let [top, bottom] = [row, row + 1].map(|side| cosine(side, self.height) as f32);
+        let [top, bottom] = [row, row + 1].map(|row| self.side(row));
         let z = top + (bottom - top) * down;
         let turn = ((column as f32 + right) / self.width as f32 - 0.5) * TAU;
         let across = (1.0 - z * z).max(0.0).sqrt();
