@@ -22,7 +22,7 @@ pub struct HalfAngle {
     /// The light that shines, numbered from 0; left out, all of them, in a sweep each. They must stand outside
     /// the volume.
     pub light: Option<usize>,
-    /// Texels along the longer side of the light's picture of the volume, 16 to 4096. Default 256.
+    /// Texels along the longer side of the light's picture of the volume, 16 to 4096. Default 512.
     pub resolution: u32,
     /// What light loses on its way into the slice that it lights (K-06b). Default half_slab.
     pub correction: LightCorrection,
@@ -54,7 +54,7 @@ impl Default for HalfAngle {
     fn default() -> Self {
         Self {
             light: None,
-            resolution: 256,
+            resolution: 512,
             correction: LightCorrection::default(),
             direct: 1.0,
             indirect: 1.0,
