@@ -5,10 +5,10 @@ mod common;
 use std::f64::consts::PI;
 
 use common::paths::*;
-use common::{homogeneous, render, stage, transfer_function, unit_volume};
+use common::{homogeneous, render, set_mode, stage, transfer_function, unit_volume};
 use pellucid_cpu::CpuRenderer;
 use pellucid_optics::{Color, Environment, Light, LightKind, Phase, SkyImage, SkyMap, SkySource};
-use pellucid_scene::{Control, Frame, PathTrace, RayCast, Technique};
+use pellucid_scene::{Classification, Control, Frame, Mode, PathTrace, RayCast, Technique};
 
 /// A point, a ball and a face beside the cube, each in its full strength at the middle of the cube.
 fn lamps(radius: f64) -> [Light; 3] {
@@ -138,10 +138,21 @@ fn techniques_that_draw_points_say_so() {
     let found = warnings(Technique::RayCast(RayCast::default()));
     assert_eq!(found.len(), 1);
     assert!(found[0].to_string().contains("lighting.lights[1] has a size"), "{}", found[0]);
-    let drawn = stage(cube(4), homogeneous(0.2), |scene| {
-        scene.volumes[0].scattering.extinction_color = Some(Color::hex(0xff8080));
-    });
-    assert!(render(&drawn).warnings.iter().any(|warning| warning.to_string().contains("extinction_color")));
+    // Integrals over segments hold all colours back alike, and sums of samples have no extinction to colour.
+    for (classification, mode, told) in [
+        (Classification::Post, Mode::Composite, None),
+        (Classification::PreIntegrated, Mode::Composite, Some("extinction_color is drawn with post-classification")),
+        (Classification::Post, Mode::Additive, Some("extinction_color is not drawn")),
+    ] {
+        let drawn = stage(cube(4), homogeneous(0.2), |scene| {
+            scene.volumes[0].scattering.extinction_color = Some(Color::hex(0xff8080));
+            scene.quality.classification = classification;
+            set_mode(scene, mode);
+        });
+        let warnings = render(&drawn).warnings;
+        assert_eq!(warnings.len(), usize::from(told.is_some()), "{warnings:?}");
+        assert!(told.is_none_or(|told| warnings[0].to_string().contains(told)), "{warnings:?}");
+    }
     assert!(warnings(Technique::PathTrace(PathTrace { samples: 4, ..PathTrace::default() })).is_empty());
 }
 

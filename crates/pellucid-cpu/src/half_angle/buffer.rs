@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::lanes::*;
 
-/// How the planes of a light buffer lie in memory: rows of texels, with room around them that light never
+/// How the texels of a light buffer lie in memory: rows of them, with room around them that light never
 /// loses anything in, as far as a blur reaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
