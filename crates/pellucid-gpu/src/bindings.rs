@@ -64,6 +64,7 @@ impl<'a> Bindings<'a> {
             scattered: optics.tables.light.scatter.is_some(),
             shadowed: stage.shadow_step(volume).is_some(),
             perturbed: uploads.perturbation.is_some(),
+            chromatic: stage.chroma(volume).is_some(),
             opaque: optics.opaque,
             kernels: kernels.is_some(),
             ..Variant::of(optics.pass)

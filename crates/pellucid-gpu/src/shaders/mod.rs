@@ -71,6 +71,8 @@ pub struct Variant {
     pub shadowed: bool,
     /// Noise moves the field, or varies its optics.
     pub perturbed: bool,
+    /// Each colour is held back in its own way.
+    pub chromatic: bool,
 }
 
 impl Variant {
@@ -99,6 +101,7 @@ impl Variant {
             gated: off,
             shadowed: off,
             perturbed: off,
+            chromatic: off,
         }
     }
 
@@ -106,7 +109,7 @@ impl Variant {
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for (pass, traversal) in Pass::ALL.into_iter().flat_map(|pass| Traversal::ALL.map(|how| (pass, how))) {
-            for bits in 0..1 << 19 {
+            for bits in 0..1 << 20 {
                 let on = |bit: u32| bits >> bit & 1 == 1;
                 let variant = Self {
                     pass,
@@ -130,6 +133,7 @@ impl Variant {
                     gated: on(16),
                     shadowed: on(17),
                     perturbed: on(18),
+                    chromatic: on(19),
                 };
                 if variant == variant.canonical() {
                     all.push(variant);
@@ -181,6 +185,12 @@ impl Variant {
         self.gated &= self.scatters_direct;
         // Light meets the whole volume, along rays that the eye's rays ask for.
         self.perturbed &= reads && !slices && !self.bricks;
+        // Blending units hold all colours back alike, and so do integrals over segments.
+        self.chromatic &= match self.pass {
+            Composite => self.traversal == Traversal::Rays,
+            HalfAngleLight => self.indirect,
+            pass => matches!(pass, HalfAngleEye | HalfAngleSurface),
+        };
         self.shadowed &= self.lights() && self.pass.samples() && !slices && !self.bricks;
         self
     }
@@ -222,6 +232,7 @@ impl Variant {
             ("GATED", self.gated),
             ("SHADOWED", self.shadowed),
             ("PERTURBED", self.perturbed),
+            ("CHROMATIC", self.chromatic),
             ("SURFACES", self.pass == Pass::Isosurface),
             ("SEGMENTS", self.pass == Pass::PreIntegrated),
             ("EXTREMES", self.pass.compares_extremes()),

@@ -7,7 +7,7 @@
 #import pellucid::paths::{collide, leave_along, paths, to_voxels, transmittance, Flight, FAR_AWAY}
 #import pellucid::random::{begin_stream, random}
 #import pellucid::ray::{beam_of, span_of}
-#import pellucid::sky::{has_sky, sample_sky, sky_in}
+#import pellucid::sky::{has_sky, luminance, sample_sky, sky_in}
 #import pellucid::vertex::{cloud_vertex, vertex_density, vertex_light, vertex_sample, vertex_value, Vertex}
 #import pellucid::scatter::{PI, gradient_share, scatterer_of}
 #ifdef SHADED
@@ -220,7 +220,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     state.counts.x += found.looks;
     state.counts.y += select(0u, 1u, found.has_collided);
     // Mean and variance as they come (Welford 1962).
-    let brightness = dot(found.radiance, vec3<f32>(0.2126, 0.7152, 0.0722));
+    let brightness = luminance(found.radiance);
     let count = state.surface.z + 1.0;
     let difference = brightness - state.surface.x;
     let mean = state.surface.x + difference / count;

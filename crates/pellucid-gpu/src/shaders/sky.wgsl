@@ -10,6 +10,11 @@
 // every row, the heights of its upper and its lower side, and the share of all light above its end.
 @group(0) @binding(22) var<storage, read> texels: array<vec4<f32>>;
 
+// Relative luminance of linear sRGB.
+fn luminance(color: vec3<f32>) -> f32 {
+    return dot(color, vec3<f32>(0.2126, 0.7152, 0.0722));
+}
+
 // The sky in a direction.
 struct SkyLight {
     direction: vec3<f32>,
@@ -34,7 +39,7 @@ fn gradient_in(direction: vec3<f32>) -> SkyLight {
 
 fn texel_in(direction: vec3<f32>, texel: u32) -> SkyLight {
     let color = texels[texel].rgb;
-    let density = dot(color, vec3<f32>(0.2126, 0.7152, 0.0722)) * paths.picture.w;
+    let density = luminance(color) * paths.picture.w;
     return SkyLight(direction, color * paths.picture.z, density);
 }
 

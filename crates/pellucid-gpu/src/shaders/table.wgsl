@@ -50,35 +50,36 @@ fn extinction(alpha: f32) -> f32 {
     return -log(1.0 - alpha);
 }
 
-fn is_grey() -> bool {
-    return all(frame.chroma.rgb == vec3<f32>(1.0));
-}
-
 // What is left of each colour where a share of the one that is lost least is left (K-13).
 fn each_color(through: f32) -> vec3<f32> {
-    if is_grey() {
-        return vec3<f32>(through);
-    }
+#ifdef CHROMATIC
     let ratios = frame.chroma.rgb;
     // Logarithms of 0 are no numbers, and what is not held back at all passes what lets nothing else through.
     let each = select(vec3<f32>(0.0), pow(vec3<f32>(max(through, 1e-37)), ratios), through > 0.0);
     return select(each, vec3<f32>(1.0), ratios == vec3<f32>(0.0));
+#else
+    return vec3<f32>(through);
+#endif
 }
 
 // What is held back of each colour at an opacity of the one that is lost least.
 fn each_opacity(alpha: f32) -> vec3<f32> {
-    if is_grey() {
-        return vec3<f32>(alpha);
-    }
+#ifdef CHROMATIC
     let ratios = frame.chroma.rgb;
     return vec3<f32>(opacity_over(alpha, ratios.r), opacity_over(alpha, ratios.g), opacity_over(alpha, ratios.b))
         * vec3<f32>(ratios > vec3<f32>(0.0));
+#else
+    return vec3<f32>(alpha);
+#endif
 }
 
 // What is held back of all colours, in the mean.
 fn coverage(alpha: f32) -> f32 {
-    let each = each_opacity(alpha);
-    return select((each.r + each.g + each.b) / 3.0, alpha, is_grey());
+#ifdef CHROMATIC
+    return dot(each_opacity(alpha), vec3<f32>(1.0 / 3.0));
+#else
+    return alpha;
+#endif
 }
 
 // An associated colour over `ratio` times the length it holds for (1.4-14).
@@ -87,15 +88,17 @@ fn over_length(rgba: vec4<f32>, ratio: f32) -> vec4<f32> {
         return rgba;
     }
     let corrected = opacity_over(rgba.a, ratio);
-    if !is_grey() {
-        let one_step = each_opacity(rgba.a);
-        let scale = each_opacity(corrected) / max(one_step, vec3<f32>(1.1754944e-38));
-        return vec4<f32>(rgba.rgb * select(vec3<f32>(ratio), scale, one_step >= vec3<f32>(1.1754944e-38)), corrected);
-    }
+#ifdef CHROMATIC
+    const THINNEST: vec3<f32> = vec3<f32>(1.1754944e-38);
+    let one_step = each_opacity(rgba.a);
+    let scale = each_opacity(corrected) / max(one_step, THINNEST);
+    return vec4<f32>(rgba.rgb * select(vec3<f32>(ratio), scale, one_step >= THINNEST), corrected);
+#else
     if rgba.a < 1.1754944e-38 {
         return vec4<f32>(rgba.rgb * ratio, corrected);
     }
     return vec4<f32>(rgba.rgb * (corrected / rgba.a), corrected);
+#endif
 }
 
 // What is behind comes to what is in front (1.4-8).
