@@ -57,3 +57,47 @@ pub fn coverage<S: Lanes>(s: S, chroma: Option<&Chroma>, alpha: F32<S>) -> F32<S
     let [r, g, b] = opacities(s, chroma, alpha);
     (r + g + b) * (1.0 / 3.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use pellucid_optics::{Color, Scattering, correct_opacity};
+
+    use super::*;
+
+    /// All of them at an opacity: what is left, what is held back, how much of all colours, and a colour over 0.3 steps.
+    fn evaluate<S: Lanes>(s: S, chroma: &Chroma, alpha: f32) -> [[f32; 3]; 4] {
+        let (alpha, chroma) = (splat(s, alpha), Some(chroma));
+        let held = opacities(s, chroma, alpha);
+        let [r, g, b] = held;
+        let shorter = over_length(s, chroma, [r, g, b, alpha], splat(s, 0.3));
+        let left = each(s, chroma, splat(s, 1.0) - alpha);
+        let covered = coverage(s, chroma, alpha)[0];
+        [xyz!(C => left[C][0]), xyz!(C => held[C][0]), [covered; 3], xyz!(C => shorter[C][0])]
+    }
+
+    #[test]
+    fn vectors_are_the_definition() {
+        for color in [0xff_bc80, 0x20ff_00, 0x80_8080] {
+            let scattering = Scattering { extinction_color: Some(Color::hex(color)), ..Scattering::default() };
+            let chroma = Chroma::of(&scattering).unwrap();
+            for set in InstructionSet::ALL.into_iter().filter_map(InstructionSet::resolve) {
+                for k in 0..=100 {
+                    let alpha = (k as f32 / 100.0).powi(3);
+                    let [left, held, covered, shorter] = dispatch!(set, s => evaluate(s, &chroma, alpha));
+                    let exact = chroma.each(1.0 - alpha);
+                    let close = |found: f32, exact: f32| (found - exact).abs() < 2e-6 + 2e-5 * exact;
+                    for channel in 0..3 {
+                        let own = correct_opacity(alpha, chroma.ratios[channel]);
+                        let what = format!("{set}, {color:x}, {channel} at {alpha}");
+                        assert!(close(left[channel], exact[channel]), "{what}: {left:?}, exact {exact:?}");
+                        assert!(close(held[channel], own), "{what}: {held:?}, exact {own}");
+                        // Of what is left, not of opacities that have rounded to nearly 1.
+                        let own = correct_opacity(alpha, chroma.ratios[channel] * 0.3);
+                        assert!(close(shorter[channel], own), "{what}: {shorter:?}, exact {own}");
+                    }
+                    assert!(close(covered[0], chroma.coverage(alpha)), "{set}: {covered:?}");
+                }
+            }
+        }
+    }
+}
