@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn vectors_are_the_definition() {
-        for color in [0xff_bc80, 0x20ff_00, 0x80_8080] {
+        for color in [0x00ff_bc80, 0x0020_ff00, 0x0080_8080] {
             let scattering = Scattering { extinction_color: Some(Color::hex(color)), ..Scattering::default() };
             let chroma = Chroma::of(&scattering).unwrap();
             for set in InstructionSet::ALL.into_iter().filter_map(InstructionSet::resolve) {

@@ -1,10 +1,10 @@
 //! Half-angle slicing: light that travels through the volume while it is drawn (Kniss et al. 2003, section
 //! 6.3).
 //!
-//! Slabs lie halfway between the light and the eye (`pellucid_scene::half_angle`), and rays of both cross them in the same order
-//! (`crossing`). Light is a picture of the volume as the light sees it (`frame`, `buffer`): slab after slab it
-//! loses what the slab holds (`matter`) and spreads (`advance`), and the eye looks at each slab in the
-//! light that has come to it (`eye`). Several lights are several sweeps, each with slabs of its own.
+//! Slabs lie halfway between the light and the eye (`pellucid_scene::half_angle`), and rays of both cross them in the
+//! same order (`crossing`). Light is a picture of the volume as the light sees it (`frame`, `buffer`): slab after slab it
+//! loses what the slab holds (`matter`, `advance`) and spreads (`blur`), and the eye looks at each slab in the light that
+//! has come to it (`eye`). Several lights are several sweeps, each with slabs of its own.
 //!
 //! A few slabs are a *run*. Their matter is looked up along rays of light, then light passes them one by one,
 //! leaving a buffer in front of each, and then the eye looks at them all, pixel by pixel: rays and colours stay

@@ -28,10 +28,13 @@ impl InstructionSet {
         self.resolve().is_some()
     }
 
-    /// The set that is used for this one; `None` if the machine lacks it.
     /// The one of these vectors.
     pub(crate) fn of(s: impl Simd) -> Self {
-        match s.level() {
+        Self::of_level(s.level())
+    }
+
+    fn of_level(level: Level) -> Self {
+        match level {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Level::Avx512(_) => Self::Avx512,
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -40,14 +43,9 @@ impl InstructionSet {
         }
     }
 
+    /// The set that is used for this one; `None` if the machine lacks it.
     pub(crate) fn resolve(self) -> Option<Self> {
-        let best = match Level::new() {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Level::Avx512(_) => Self::Avx512,
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Level::Avx2(_) => Self::Avx2,
-            _ => Self::Baseline,
-        };
+        let best = Self::of_level(Level::new());
         match self {
             Self::Auto => Some(best),
             Self::Avx512 if best != Self::Avx512 => None,
