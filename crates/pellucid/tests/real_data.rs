@@ -1,19 +1,38 @@
-//! Real scans, where there are any: `../shared/data` beside the checkout, or the folder named by
-//! `PELLUCID_DATA`. Nothing made from them is stored.
+//! Scans with automatic settings. Built-in ones are drawn always; real ones where there are any:
+//! `../shared/data` beside the checkout, or the folder named by `PELLUCID_DATA`. Nothing made from
+//! them is stored.
 
 use std::path::{Path, PathBuf};
 
-use pellucid::scene::{Control, Frame, Scene, Source};
+use pellucid::field::VoxelType;
+use pellucid::scene::{Control, Frame, SampleSource, Scene, Source};
 use pellucid::{Backend, Renderer, load};
 
-fn folder() -> Option<PathBuf> {
+/// Files of real scans: all of them, or none.
+fn real() -> Vec<Source> {
     let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let folder = std::env::var_os("PELLUCID_DATA").map_or_else(beside, PathBuf::from);
-    folder.is_dir().then_some(folder)
+    let named = std::env::var_os("PELLUCID_DATA").map(PathBuf::from);
+    let Some(folder) = named.clone().or_else(|| Some(beside()).filter(|folder| folder.is_dir())) else {
+        println!("no real scans: there is no ../shared/data, and PELLUCID_DATA is not set");
+        return Vec::new();
+    };
+    let file = |name| Source::File(folder.join(name).with_extension("nrrd"));
+    ["bonsai", "cthead", "engine", "seg3d_mr", "tooth"].map(file).into()
 }
 
-fn draw(path: &Path, skipping: bool) -> Frame {
-    let mut scene = Scene::of(Source::File(path.to_owned()));
+/// Built-in fields as scanners and simulations would hand them over.
+fn built_in() -> Vec<Source> {
+    let fields = [("head", VoxelType::I16), ("tubes", VoxelType::U8), ("cloud", VoxelType::F32)];
+    let source = |(name, voxel_type): (&str, _)| SampleSource {
+        name: name.into(),
+        dims: Some([64, 80, 80]),
+        voxel_type: Some(voxel_type),
+    };
+    fields.map(|field| Source::Sample(source(field))).into()
+}
+
+fn draw(source: &Source, skipping: bool) -> Frame {
+    let mut scene = Scene::of(source.clone());
     (scene.image.width, scene.image.height) = (160, 160);
     scene.quality.empty_space_skipping = skipping;
     let (volumes, _) = load(&scene, "").unwrap();
@@ -26,13 +45,9 @@ fn draw(path: &Path, skipping: bool) -> Frame {
 /// mostly opaque where there is anything, with light and shade, and the same with skipping off.
 #[test]
 fn every_scan_gives_a_picture() {
-    let Some(folder) = folder() else {
-        println!("skipped: there is no ../shared/data and PELLUCID_DATA is not set");
-        return;
-    };
-    for name in ["bonsai", "cthead", "engine", "seg3d_mr", "tooth"] {
-        let path = folder.join(name).with_extension("nrrd");
-        let frame = draw(&path, true);
+    for source in built_in().iter().chain(&real()) {
+        let name = format!("{source:?}");
+        let frame = draw(source, true);
         let covered: Vec<&[f32; 4]> = frame.color.iter().filter(|color| color[3] > 0.5).collect();
         let share = covered.len() as f64 / frame.color.len() as f64;
         assert!((0.05..0.8).contains(&share), "{name}: {share} of the picture is covered");
@@ -41,6 +56,6 @@ fn every_scan_gives_a_picture() {
         let (dark, bright) = (light[light.len() / 20], light[light.len() * 19 / 20]);
         assert!(bright > 0.1 && bright < 1.0 && dark < 0.7 * bright, "{name}: from {dark} to {bright}");
         assert!(frame.warnings.is_empty(), "{name}: {:?}", frame.warnings);
-        assert_eq!(frame.color, draw(&path, false).color, "{name}: skipping changes the picture");
+        assert_eq!(frame.color, draw(source, false).color, "{name}: skipping changes the picture");
     }
 }

@@ -21,8 +21,12 @@ pub fn scenes() -> Vec<PathBuf> {
         .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
         .collect();
     scenes.sort();
-    assert!(scenes.len() >= 18, "{} scenes", scenes.len());
     scenes
+}
+
+/// What a scene, or its picture, is called.
+pub fn name_of(path: &Path) -> String {
+    path.file_stem().unwrap().to_string_lossy().into_owned()
 }
 
 /// A scene, ready to be drawn.
