@@ -8,6 +8,7 @@ use flate2::Compression;
 use flate2::write::{GzEncoder, ZlibEncoder};
 use pellucid_field::{Volume, Voxel, VoxelType, Voxels, Warning, for_voxels};
 
+use crate::atomic::commit_together;
 use crate::{AtomicFile, IoError};
 
 /// The type a volume's values have in formats that know no halves: `f16` becomes `f32`, exactly.
@@ -116,11 +117,7 @@ impl Files<'_> {
         let mut data = AtomicFile::create(data_path)?;
         let size = write_body(&mut data, volume, self.packing).map_err(IoError::io(data_path))?;
         self.fill_in(&mut file, size)?;
-        data.commit()?;
-        file.commit().inspect_err(|_| {
-            // A header that cannot be replaced must not leave its data behind.
-            let _ = std::fs::remove_file(data_path);
-        })
+        commit_together(vec![data, file])
     }
 
     fn fill_in(&self, file: &mut AtomicFile, size: u64) -> Result<(), IoError> {
