@@ -12,8 +12,8 @@ use crate::IoError;
 use destination::Destination;
 use disk::Disk;
 pub(crate) use together::commit_together;
-pub use unfinished::discard_unfinished;
 use unfinished::Unfinished;
+pub use unfinished::discard_unfinished;
 
 /// A file under construction: written under a temporary name in the folder of its destination,
 /// brought to the disk and renamed into place by [`AtomicFile::commit`]. Dropped without a commit,

@@ -29,7 +29,8 @@ fn try_name(name: &str) -> Result<(), IoError> {
 #[test]
 fn names_that_headers_cannot_hold_are_refused() {
     for extension in ["nhdr", "mhd"] {
-        for stem in [" a ", "LIST a", "LIST", "e\nv", "e\rv", "tab\tinside", "\u{a0}wide", "s%03d", "50%", "a%d 1 9 1 "] {
+        for stem in [" a ", "LIST a", "LIST", "e\nv", "e\rv", "tab\tinside", "\u{a0}wide", "s%03d", "50%", "a%d 1 9 1 "]
+        {
             let name = format!("{stem}.{extension}");
             // A name of its own is not a word of a longer one.
             let is_held = stem == "LIST";
