@@ -1,6 +1,7 @@
 //! Why a frame was not drawn.
 
-use pellucid_field::FieldError;
+use pellucid_field::memory::OutOfMemory;
+use pellucid_field::{FieldError, ThreadsError};
 use pellucid_optics::OpticsError;
 use pellucid_scene::TableError;
 use pellucid_scene::half_angle::LightError;
@@ -49,14 +50,12 @@ pub enum RenderError {
         /// The most there may be.
         limit: u32,
     },
-    /// The thread pool could not be made.
-    #[error("cannot start {threads} threads: {reason}")]
-    Threads {
-        /// Threads asked for.
-        threads: usize,
-        /// The system's reason.
-        reason: String,
-    },
+    /// The threads could not be started.
+    #[error(transparent)]
+    Threads(#[from] ThreadsError),
+    /// The picture does not fit into memory.
+    #[error("the picture: {0}")]
+    Memory(#[from] OutOfMemory),
 }
 
 impl From<TableError> for RenderError {

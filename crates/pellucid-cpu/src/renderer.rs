@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use pellucid_field::{Threads, memory, parallel};
 use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, Technique};
 
 use crate::RenderError;
@@ -18,7 +19,8 @@ use crate::tiles::{TILE, Tile, Tiles};
 /// coefficients) is made once, and memory is used again.
 #[derive(Default)]
 pub struct CpuRenderer {
-    pool: Option<rayon::ThreadPool>,
+    /// The ones that all parallel work has, if none are said.
+    threads: Option<Threads>,
     instructions: InstructionSet,
     tile: Option<usize>,
     cache: Cache,
@@ -26,10 +28,11 @@ pub struct CpuRenderer {
 }
 
 impl CpuRenderer {
-    /// The most threads of a renderer of its own. Systems hang rather than refuse far beyond.
-    pub const MOST_THREADS: usize = 1024;
+    /// The most threads of a renderer of its own.
+    pub const MOST_THREADS: usize = Threads::MOST;
 
-    /// A renderer on all cores, with the best instructions of the machine.
+    /// A renderer on the threads of [`parallel`], all cores if nothing else is said, with the best
+    /// instructions of the machine.
     pub fn new() -> Self {
         Self::default()
     }
@@ -40,15 +43,12 @@ impl CpuRenderer {
     /// # Errors
     /// [`RenderError::Threads`] if there are too many or the system refuses them.
     pub fn with_threads(threads: usize) -> Result<Self, RenderError> {
-        if !(1..=Self::MOST_THREADS).contains(&threads) {
-            let reason = format!("1 to {} are possible", Self::MOST_THREADS);
-            return Err(RenderError::Threads { threads, reason });
-        }
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|error| RenderError::Threads { threads, reason: error.to_string() })?;
-        Ok(Self { pool: Some(pool), ..Self::default() })
+        Ok(Self::default().on_threads(Threads::new(threads)?))
+    }
+
+    /// The same renderer on other threads.
+    pub fn on_threads(self, threads: Threads) -> Self {
+        Self { threads: Some(threads), ..self }
     }
 
     /// Whether this backend has the technique that a stage asks for.
@@ -94,11 +94,17 @@ impl CpuRenderer {
     /// [`RenderError`]; the frame is then what it was before.
     pub fn render_into(&mut self, stage: &Stage, control: &Control, frame: &mut Frame) -> Result<(), RenderError> {
         let set = self.instructions();
-        let Self { pool, tile, cache, tiles, .. } = self;
-        tiles.cover(stage.viewpoint.width, stage.viewpoint.height, tile.unwrap_or(TILE));
-        match pool {
-            Some(pool) => pool.install(|| render(stage, control, set, cache, tiles, frame)),
-            None => render(stage, control, set, cache, tiles, frame),
+        let [width, height] = [stage.viewpoint.width, stage.viewpoint.height];
+        if (frame.width, frame.height) != (width, height) {
+            // There is one more of them, in tiles.
+            memory::afford(width.saturating_mul(height).saturating_mul(2 * Frame::PIXEL_BYTES))?;
+        }
+        let Self { threads, tile, cache, tiles, .. } = self;
+        tiles.cover(width, height, tile.unwrap_or(TILE));
+        let work = || render(stage, control, set, cache, tiles, frame);
+        match threads {
+            Some(threads) => threads.run(work),
+            None => parallel(work),
         }
     }
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::{FieldError, Volume, Voxel, for_voxels};
+use crate::{FieldError, Volume, Voxel, for_voxels, parallel};
 
 /// The range of data values in every block of a volume (7.3-6, 8.4-1).
 ///
@@ -107,7 +107,7 @@ impl Blocks {
         let ([bx, by, _], map) = (self.dims, volume.value_map());
         let (lowest, highest) = (T::from_f64(f64::NEG_INFINITY), T::from_f64(f64::INFINITY));
         let mut ranges = std::mem::take(&mut self.ranges);
-        ranges.par_chunks_mut(bx).enumerate().for_each(|(row, ranges)| {
+        let fill = |(row, ranges): (usize, &mut [[f32; 2]])| {
             let (mut low, mut high) = (vec![highest; nx * components], vec![lowest; nx * components]);
             let ((y0, y1), (z0, z1)) = (self.voxels(row % by, ny), self.voxels(row / by, nz));
             for (z, y) in (z0..=z1).flat_map(|z| (y0..=y1).map(move |y| (z, y))) {
@@ -127,7 +127,8 @@ impl Blocks {
                     *range = [round_down(a.min(b)), -round_down(-a.max(b))];
                 }
             }
-        });
+        };
+        parallel(|| ranges.par_chunks_mut(bx).enumerate().for_each(fill));
         self.ranges = ranges;
     }
 }

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
-use crate::{FieldError, Grid, Volume, Voxel, Voxels, for_voxels};
+use crate::{FieldError, Grid, Volume, Voxel, Voxels, for_voxels, parallel};
 
 /// The `size` voxels per axis from voxel `from` on, with all components, at the same place in the
 /// world: only the origin of the affine moves.
@@ -26,10 +26,11 @@ fn copy<T: Voxel>(data: &[T], volume: &Volume, from: [usize; 3], size: [usize; 3
     let components = volume.components();
     let row = size[0] * components;
     let mut voxels = vec![T::zeroed(); row * size[1] * size[2]];
-    voxels.par_chunks_mut(row).enumerate().for_each(|(index, voxels)| {
+    let fill = |(index, voxels): (usize, &mut [T])| {
         let (y, z) = (index % size[1], index / size[1]);
         let start = volume.grid().linear_index([from[0], from[1] + y, from[2] + z]) * components;
         voxels.copy_from_slice(&data[start..start + row]);
-    });
+    };
+    parallel(|| voxels.par_chunks_mut(row).enumerate().for_each(fill));
     voxels
 }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::{FieldError, Volume, Voxel, for_voxels};
+use crate::{FieldError, Volume, Voxel, for_voxels, parallel};
 
 /// Counts of the finite data values of one component in bins of equal width: what automatic
 /// windows are made from.
@@ -166,23 +166,27 @@ impl Histogram {
     ) {
         let components = volume.components();
         let none = || (vec![0u64; bins], 0u64);
-        (self.counts, self.absent) = data
-            .par_chunks(CHUNK * components)
-            .fold(none, |(mut counts, mut absent), chunk| {
-                for value in chunk.iter().skip(component).step_by(components) {
-                    let value = value.to_f64();
-                    if value.is_finite() {
-                        counts[bin_of(value).min(bins - 1)] += 1;
-                    } else {
-                        absent += 1;
-                    }
+        let add = |chunk: &[T], counts: &mut [u64], absent: &mut u64| {
+            for value in chunk.iter().skip(component).step_by(components) {
+                let value = value.to_f64();
+                if value.is_finite() {
+                    counts[bin_of(value).min(bins - 1)] += 1;
+                } else {
+                    *absent += 1;
                 }
+            }
+        };
+        let counted = || {
+            let parts = data.par_chunks(CHUNK * components).fold(none, |(mut counts, mut absent), chunk| {
+                add(chunk, &mut counts, &mut absent);
                 (counts, absent)
-            })
-            .reduce(none, |(mut a, absent), (b, more)| {
+            });
+            parts.reduce(none, |(mut a, absent), (b, more)| {
                 a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
                 (a, absent + more)
-            });
+            })
+        };
+        (self.counts, self.absent) = parallel(counted);
     }
 }
 
@@ -194,13 +198,11 @@ fn range<T: Voxel>(data: &[T], volume: &Volume, component: usize) -> (f64, f64) 
     let components = volume.components();
     let none = (f64::INFINITY, f64::NEG_INFINITY);
     let wider = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
-    let (low, high) = data
-        .par_chunks(CHUNK * components)
-        .map(|chunk| {
-            let values = chunk.iter().skip(component).step_by(components).map(|value| value.to_f64());
-            values.filter(|value| value.is_finite()).fold(none, |range, value| wider(range, (value, value)))
-        })
-        .reduce(|| none, wider);
+    let of_chunk = |chunk: &[T]| {
+        let values = chunk.iter().skip(component).step_by(components).map(|value| value.to_f64());
+        values.filter(|value| value.is_finite()).fold(none, |range, value| wider(range, (value, value)))
+    };
+    let (low, high) = parallel(|| data.par_chunks(CHUNK * components).map(of_chunk).reduce(|| none, wider));
     if low > high {
         return none;
     }

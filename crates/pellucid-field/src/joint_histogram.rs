@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::gradient::{Gradient, world_gradient};
-use crate::{FieldError, Filter, Reconstruct, Sampler, Volume, with_reconstruction};
+use crate::{FieldError, Filter, Reconstruct, Sampler, Volume, parallel, thread_count, with_reconstruction};
 
 /// How often voxels have a data value together with a gradient magnitude: material boundaries
 /// appear as arches between the values of their two sides.
@@ -96,7 +96,8 @@ fn count(field: &impl Reconstruct, volume: &Volume, gradient: Gradient, dims: [u
         for_slab(z, &mut |value, magnitude| extent = join(extent, ([value, value], magnitude)));
         extent
     };
-    let (value_range, largest_magnitude) = (0..nz).into_par_iter().map(slab_extent).reduce(|| nothing, join);
+    let extents = || (0..nz).into_par_iter().map(slab_extent).reduce(|| nothing, join);
+    let (value_range, largest_magnitude) = parallel(extents);
     let value_range = if value_range[0] <= value_range[1] { value_range } else { [0.0, 0.0] };
     let bins = dims[0] * dims[1];
     let mut histogram = JointHistogram { dims, value_range, largest_magnitude, counts: Vec::new() };
@@ -105,12 +106,12 @@ fn count(field: &impl Reconstruct, volume: &Volume, gradient: Gradient, dims: [u
         counts
     };
     // A few long runs of slabs: every run has its own table.
-    let run = nz.div_ceil(2 * rayon::current_num_threads());
+    let run = nz.div_ceil(2 * thread_count());
     let add = |mut a: Vec<u64>, b: Vec<u64>| {
         a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
         a
     };
-    let runs = (0..nz).into_par_iter().with_min_len(run).fold(|| vec![0; bins], count_slab);
-    histogram.counts = runs.reduce_with(add).unwrap_or_else(|| vec![0; bins]);
+    let runs = || (0..nz).into_par_iter().with_min_len(run).fold(|| vec![0; bins], count_slab).reduce_with(add);
+    histogram.counts = parallel(runs).unwrap_or_else(|| vec![0; bins]);
     histogram
 }

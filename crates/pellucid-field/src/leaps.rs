@@ -2,6 +2,8 @@
 
 use rayon::prelude::*;
 
+use crate::parallel;
+
 /// For every block and each of the eight octants of directions, how many blocks a side a cube has that begins at
 /// this block, extends in the octant's direction and has nothing live in it (7.3-6). A way out of what is live has
 /// long leaps from its first block on, where a distance to all sides ([`distances`](crate::distances)) still sees
@@ -16,7 +18,8 @@ impl Leaps {
     /// Those among `dims` blocks, x fastest, of which some are live. Nothing is live outside.
     pub fn new(dims: [usize; 3], live: impl Fn(usize) -> bool + Sync) -> Self {
         let mut sides = [const { Vec::new() }; 8];
-        sides.par_iter_mut().enumerate().for_each(|(octant, sides)| *sides = of_octant(dims, octant, &live));
+        let fill = |(octant, sides): (usize, &mut Vec<u8>)| *sides = of_octant(dims, octant, &live);
+        parallel(|| sides.par_iter_mut().enumerate().for_each(fill));
         Self { dims, sides }
     }
 

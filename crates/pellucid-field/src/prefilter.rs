@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::{FieldError, Volume, Voxel, for_voxels};
+use crate::{FieldError, Volume, Voxel, for_voxels, parallel};
 
 /// The stable pole of the inverse of the sampled cubic B-spline (1, 4, 1) / 6: sqrt(3) - 2.
 const POLE: f64 = -0.267_949_192_431_122_7;
@@ -21,7 +21,7 @@ const POLE: f64 = -0.267_949_192_431_122_7;
 pub fn spline_coefficients(volume: &Volume, component: usize) -> Result<Volume, FieldError> {
     volume.check_component(component)?;
     let coefficients = for_voxels!(volume.voxels(), data => {
-        coefficients(data, volume.grid().dims(), volume.components(), component)
+        parallel(|| coefficients(data, volume.grid().dims(), volume.components(), component))
     });
     let mut result = Volume::new(*volume.grid(), coefficients)?.with_value_map(volume.value_map())?;
     result.name.clone_from(&volume.name);

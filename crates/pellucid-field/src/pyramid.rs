@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 
-use crate::{FieldError, Grid, Volume, Voxel, Voxels, for_voxels};
+use crate::{FieldError, Grid, Volume, Voxel, Voxels, for_voxels, parallel};
 
 /// The volume followed by ever coarser copies of it, each [`halve`] of the one before, down to a
 /// single voxel or until there are `levels` of them (at least 1: the volume itself, whose voxels
@@ -83,7 +83,7 @@ fn average<T: Voxel>(data: &[T], volume: &Volume, axes: &[Vec<Interval>; 3]) -> 
     let components = volume.components();
     let [nx, ny, nz] = [0, 1, 2].map(|axis| axes[axis].len());
     let mut voxels = vec![T::zeroed(); nx * ny * nz * components];
-    voxels.par_chunks_mut(nx * components).enumerate().for_each(|(row, voxels)| {
+    let fill = |(row, voxels): (usize, &mut [T])| {
         // Each row of the volume that takes part: where it begins, and its weight.
         let rows: Vec<(usize, f64)> = axes[2][row / ny]
             .iter()
@@ -105,6 +105,7 @@ fn average<T: Voxel>(data: &[T], volume: &Volume, axes: &[Vec<Interval>; 3]) -> 
             // 0/0 is NaN: absent. Integers are never absent.
             *voxel = T::from_f64(sum / weights);
         }
-    });
+    };
+    parallel(|| voxels.par_chunks_mut(nx * components).enumerate().for_each(fill));
     voxels
 }

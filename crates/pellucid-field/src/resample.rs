@@ -4,7 +4,8 @@ use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 
 use crate::{
-    FieldError, Filter, Grid, Reconstruct, Sampler, ValueMap, Volume, Voxel, Voxels, for_voxels, with_reconstruction,
+    FieldError, Filter, Grid, Reconstruct, Sampler, ValueMap, Volume, Voxel, Voxels, for_voxels, parallel,
+    with_reconstruction,
 };
 
 /// How far outside the box a sample may be, and a position from the integer it is rounded to: the
@@ -69,7 +70,7 @@ pub fn resample(volume: &Volume, grid: Grid, filter: Filter, outside: f64) -> Re
                     *value = outside;
                 }
             };
-            values.par_iter_mut().enumerate().for_each(place);
+            parallel(|| values.par_iter_mut().enumerate().for_each(place));
         }
         Ok(values)
     });
@@ -123,7 +124,7 @@ fn resample_component(
 
 fn sample(field: &impl Reconstruct, dims: [usize; 3], old_from_new: DAffine3) -> Vec<f64> {
     let value = |i| field.value(old_from_new.transform_point3(index_of(dims, i)).map(snap));
-    (0..dims.iter().product()).into_par_iter().map(value).collect()
+    parallel(|| (0..dims.iter().product()).into_par_iter().map(value).collect())
 }
 
 /// How the samples of one line are made of those of the line it replaces; `None` is outside.
@@ -195,13 +196,15 @@ fn run_plan(read: impl Fn(usize) -> f64 + Sync, dims: [usize; 3], axis: usize, p
     let inner: usize = dims[..axis].iter().product();
     let outer: usize = dims[axis + 1..].iter().product();
     let mut out = vec![f64::NAN; inner * plan.len() * outer];
-    out.par_chunks_mut(inner).with_min_len((1 << 12) / inner.min(1 << 12)).enumerate().for_each(|(row, values)| {
+    let least = (1 << 12) / inner.min(1 << 12);
+    let fill = |(row, values): (usize, &mut [f64])| {
         let Some(line) = &plan[row % plan.len()] else { return };
         let start = row / plan.len() * dims[axis] * inner;
         for (i, value) in values.iter_mut().enumerate() {
             *value = line.value(|tap| read(start + tap * inner + i));
         }
-    });
+    };
+    parallel(|| out.par_chunks_mut(inner).with_min_len(least).enumerate().for_each(fill));
     out
 }
 
@@ -229,5 +232,5 @@ fn index_of([nx, ny, _]: [usize; 3], i: usize) -> DVec3 {
 fn interleave<T: Voxel>(_like: &[T], values: &[Vec<f64>]) -> Voxels {
     let components = values.len();
     let value = |i: usize| T::from_f64(values[i % components][i / components]);
-    (0..components * values[0].len()).into_par_iter().map(value).collect::<Vec<T>>().into()
+    parallel(|| (0..components * values[0].len()).into_par_iter().map(value).collect::<Vec<T>>()).into()
 }

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
-use crate::{FieldError, Grid, Voxel, Voxels, for_voxels};
+use crate::{FieldError, Grid, Voxel, Voxels, for_voxels, parallel};
 
 /// The affine from stored numbers to data values: `value = stored * scale + offset` (a CT file
 /// that stores Hounsfield units + 1024, a NIfTI slope and intercept). Voxels keep their stored
@@ -207,25 +207,23 @@ impl Volume {
 /// does not depend on the number of threads.
 fn scan<T: Voxel>(data: &[T]) -> Statistics {
     let empty = Statistics { min: f64::INFINITY, max: f64::NEG_INFINITY, mean: 0.0, finite: 0, nan: 0, infinite: 0 };
-    let parts: Vec<Statistics> = data
-        .par_chunks(1 << 16)
-        .map(|chunk| {
-            chunk.iter().fold(empty, |mut s, v| {
-                let v = v.to_f64();
-                if v.is_finite() {
-                    s.min = s.min.min(v);
-                    s.max = s.max.max(v);
-                    s.mean += v;
-                    s.finite += 1;
-                } else if v.is_nan() {
-                    s.nan += 1;
-                } else {
-                    s.infinite += 1;
-                }
-                s
-            })
+    let of_chunk = |chunk: &[T]| {
+        chunk.iter().fold(empty, |mut s, v| {
+            let v = v.to_f64();
+            if v.is_finite() {
+                s.min = s.min.min(v);
+                s.max = s.max.max(v);
+                s.mean += v;
+                s.finite += 1;
+            } else if v.is_nan() {
+                s.nan += 1;
+            } else {
+                s.infinite += 1;
+            }
+            s
         })
-        .collect();
+    };
+    let parts: Vec<Statistics> = parallel(|| data.par_chunks(1 << 16).map(of_chunk).collect());
     parts.into_iter().fold(empty, |a, b| Statistics {
         min: a.min.min(b.min),
         max: a.max.max(b.max),

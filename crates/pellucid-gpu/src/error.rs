@@ -1,6 +1,7 @@
 //! What can go wrong on a graphics processor.
 
 use pellucid_field::FieldError;
+use pellucid_field::memory::OutOfMemory;
 use pellucid_optics::OpticsError;
 use pellucid_scene::TableError;
 use pellucid_scene::half_angle::LightError;
@@ -40,6 +41,9 @@ pub enum GpuError {
         /// The driver's reason.
         reason: String,
     },
+    /// The picture does not fit into the memory of this machine.
+    #[error("the picture: {0}")]
+    Host(#[from] OutOfMemory),
     /// What would have to be in memory at the same time exceeds the budget.
     #[error("{what} needs {needed} bytes on the graphics device and {budget} are allowed: {advice}")]
     Budget {

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Instant;
 
-use pellucid_field::Volume;
+use pellucid_field::{Volume, memory};
 use pellucid_optics::{Anisotropy, Phase, ResolvedLight, Scattering, Shadows, Sky};
 use pellucid_scene::{
     Control, Frame, FrameStatistics, Mode, PathTrace, RenderWarning, Stage, StageVolume, TableCache, Tables, Technique,
@@ -273,6 +273,12 @@ impl GpuRenderer {
     /// Draws the next frame.
     fn draw(&mut self, stage: &Stage, control: &Control) -> Result<(), GpuError> {
         let started = Instant::now();
+        // A device that was lost stays so: nothing needs to be made ready for it.
+        self.device.check()?;
+        let [width, height] = [stage.viewpoint.width, stage.viewpoint.height];
+        if (self.next.width, self.next.height) != (width, height) {
+            memory::afford(width.saturating_mul(height).saturating_mul(Frame::PIXEL_BYTES))?;
+        }
         let Prepared { volume, tables, sky, sources, plan, bricks } = self.prepare(stage)?;
         let optics = Optics::new(stage, volume, &tables);
         // The memory of the last volume and its tables is free before that of these is asked for.

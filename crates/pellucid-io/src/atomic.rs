@@ -1,60 +1,55 @@
 //! Files that appear whole or not at all.
 
-use std::fs::{File, OpenOptions};
+mod destination;
+mod disk;
+mod together;
+mod unfinished;
+
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::path::Path;
 
 use crate::IoError;
+use destination::Destination;
+use disk::Disk;
+pub(crate) use together::commit_together;
+use unfinished::Unfinished;
+pub use unfinished::discard_unfinished;
 
-/// A file under construction: written under a temporary name in the folder of its destination and
-/// renamed into place by [`AtomicFile::commit`]. Dropped without a commit, it leaves nothing
-/// behind and an existing destination untouched.
+/// A file under construction: written under a temporary name in the folder of its destination,
+/// brought to the disk and renamed into place by [`AtomicFile::commit`]. Dropped without a commit,
+/// it leaves nothing behind and an existing destination untouched.
 ///
-/// The rename is atomic for other programs; the data are not forced to the disk, so it is no
-/// protection against a power failure.
+/// The destination stays what it is but for its content: a symbolic link leads to the same place
+/// as before, and a file that is replaced keeps its permissions and, where the system allows it, its
+/// owner and group. (It is another file under the same name: hard links, access lists and extended
+/// attributes stay with the old one.) Only regular files are replaced.
+///
+/// A process that is killed leaves its temporary file behind; the next one that writes to the same
+/// destination removes it. Temporary files are locked while they are written, so that nobody takes
+/// them for left behind.
 #[derive(Debug)]
 pub struct AtomicFile {
-    destination: PathBuf,
-    /// `None` once it has been renamed.
-    temporary: Option<PathBuf>,
-    file: BufWriter<File>,
+    destination: Destination,
+    unfinished: Unfinished,
+    file: BufWriter<Disk>,
 }
 
 impl AtomicFile {
     /// Begins a file that will appear at `destination`.
     ///
     /// # Errors
-    /// [`IoError::Io`] if the folder does not exist or cannot be written to.
+    /// [`IoError::Io`] if the folder does not exist or cannot be written to, or if something that
+    /// is not a regular file has the name.
     pub fn create(destination: impl AsRef<Path>) -> Result<Self, IoError> {
-        let destination = destination.as_ref();
-        let Some(name) = destination.file_name() else {
-            let source = io::Error::new(io::ErrorKind::InvalidInput, "not the name of a file");
-            return Err(IoError::io(destination)(source));
-        };
-        // Unique among threads by the counter, among processes by the id; `create_new` refuses the
-        // rest, such as what a crash left behind.
-        static COUNTER: AtomicU64 = AtomicU64::new(0);
-        loop {
-            let mut temporary_name = std::ffi::OsString::from(".");
-            temporary_name.push(name);
-            let count = COUNTER.fetch_add(1, Ordering::Relaxed);
-            temporary_name.push(format!(".{}-{count}.tmp", std::process::id()));
-            let temporary = destination.with_file_name(temporary_name);
-            match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-                Ok(file) => {
-                    let file = BufWriter::with_capacity(1 << 18, file);
-                    return Ok(Self { destination: destination.to_owned(), temporary: Some(temporary), file });
-                }
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(IoError::io(destination)(error)),
-            }
-        }
+        let named = destination.as_ref();
+        let destination = Destination::of(named).map_err(IoError::io(named))?;
+        let (unfinished, file) = Unfinished::create(&destination).map_err(IoError::io(named))?;
+        Ok(Self { destination, unfinished, file: BufWriter::with_capacity(1 << 18, Disk::new(file)) })
     }
 
     /// Where the file will appear.
     pub fn destination(&self) -> &Path {
-        &self.destination
+        &self.destination.named
     }
 
     /// Flushes and renames the file into place, replacing what was there.
@@ -62,13 +57,14 @@ impl AtomicFile {
     /// # Errors
     /// [`IoError::Io`] if the disk is full or the destination cannot be replaced; nothing is left
     /// behind then.
-    pub fn commit(mut self) -> Result<(), IoError> {
-        self.file.flush().map_err(IoError::io(&self.destination))?;
-        if let Some(temporary) = &self.temporary {
-            std::fs::rename(temporary, &self.destination).map_err(IoError::io(&self.destination))?;
-            self.temporary = None;
-        }
-        Ok(())
+    pub fn commit(self) -> Result<(), IoError> {
+        commit_together(vec![self])
+    }
+
+    /// Brings everything but the name to the disk.
+    fn complete(&mut self) -> io::Result<()> {
+        self.file.flush()?;
+        self.file.get_ref().complete(&self.destination)
     }
 }
 
@@ -85,14 +81,5 @@ impl Write for AtomicFile {
 impl Seek for AtomicFile {
     fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
         self.file.seek(position)
-    }
-}
-
-impl Drop for AtomicFile {
-    fn drop(&mut self) {
-        if let Some(temporary) = &self.temporary {
-            // Nobody is left to hear of a failure to clean up.
-            let _ = std::fs::remove_file(temporary);
-        }
     }
 }

@@ -1,13 +1,15 @@
 //! The values of a volume on their way into a file.
 
+use std::ffi::OsStr;
 use std::io::{self, Seek, SeekFrom, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bytemuck::{NoUninit, cast_slice};
 use flate2::Compression;
 use flate2::write::{GzEncoder, ZlibEncoder};
 use pellucid_field::{Volume, Voxel, VoxelType, Voxels, Warning, for_voxels};
 
+use crate::atomic::commit_together;
 use crate::{AtomicFile, IoError};
 
 /// The type a volume's values have in formats that know no halves: `f16` becomes `f32`, exactly.
@@ -89,6 +91,40 @@ fn write_each<T: NoUninit>(out: &mut impl Write, mut values: impl Iterator<Item 
     }
 }
 
+/// A file of values beside a text header.
+pub(crate) struct DataFile {
+    pub path: PathBuf,
+    /// What the header calls it.
+    pub name: String,
+}
+
+impl DataFile {
+    /// The data file of a header, named after all of its name, so that it cannot replace a `.raw` that was read.
+    ///
+    /// # Errors
+    /// [`IoError::Unsupported`] if readers of the header would take the name for something else.
+    pub fn of(header: &Path, extension: &str) -> Result<Self, IoError> {
+        let path = header.with_added_extension(extension);
+        let name = path.file_name().and_then(OsStr::to_str).filter(|name| is_plain(name)).map(str::to_owned);
+        match name {
+            Some(name) => Ok(Self { path, name }),
+            None => {
+                let found = header.file_name().unwrap_or_default().to_string_lossy();
+                let advice = "headers hold names of data files in UTF-8, not beginning with white space or LIST, \
+                    without line breaks and percent signs: choose another name, or a format with the data inside";
+                Err(IoError::unsupported(header, "the name", format!("'{found}'"), advice))
+            }
+        }
+    }
+}
+
+/// Whether a text header can hold a name. Readers cut lines at their breaks and white space off at the ends, take what
+/// follows `LIST` for the beginning of a list, and `%` for a series of numbered files.
+fn is_plain(name: &str) -> bool {
+    let is_list = name.split_whitespace().next() == Some("LIST");
+    name.trim() == name && !is_list && !name.contains(|c: char| c == '%' || c.is_control())
+}
+
 /// A header and where to store the values that it describes.
 pub(crate) struct Files<'a> {
     pub path: &'a Path,
@@ -96,7 +132,7 @@ pub(crate) struct Files<'a> {
     /// Where in the header to fill in the size of the stored values, [`SIZE_DIGITS`] wide.
     pub size_at: Option<u64>,
     /// The values' own file; without one they follow the header.
-    pub data_file: Option<&'a Path>,
+    pub data_file: Option<&'a DataFile>,
     pub packing: Packing,
 }
 
@@ -108,7 +144,7 @@ impl Files<'_> {
     pub fn write(&self, volume: &Volume) -> Result<(), IoError> {
         let mut file = AtomicFile::create(self.path)?;
         file.write_all(self.header).map_err(IoError::io(self.path))?;
-        let Some(data_path) = self.data_file else {
+        let Some(DataFile { path: data_path, .. }) = self.data_file else {
             let size = write_body(&mut file, volume, self.packing).map_err(IoError::io(self.path))?;
             self.fill_in(&mut file, size - self.header.len() as u64)?;
             return file.commit();
@@ -116,11 +152,7 @@ impl Files<'_> {
         let mut data = AtomicFile::create(data_path)?;
         let size = write_body(&mut data, volume, self.packing).map_err(IoError::io(data_path))?;
         self.fill_in(&mut file, size)?;
-        data.commit()?;
-        file.commit().inspect_err(|_| {
-            // A header that cannot be replaced must not leave its data behind.
-            let _ = std::fs::remove_file(data_path);
-        })
+        commit_together(vec![data, file])
     }
 
     fn fill_in(&self, file: &mut AtomicFile, size: u64) -> Result<(), IoError> {

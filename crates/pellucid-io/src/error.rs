@@ -4,6 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use pellucid_field::FieldError;
+use pellucid_field::memory::OutOfMemory;
 
 /// Why a file cannot be read or written. Every message is one line that names the file, the field
 /// concerned, what was found and what was expected.
@@ -112,6 +113,11 @@ pub enum IoError {
 impl IoError {
     pub(crate) fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
         move |source| Self::Io { path: path.to_owned(), source }
+    }
+
+    /// That there is not so much memory for a file.
+    pub fn memory(path: &Path, refused: OutOfMemory) -> Self {
+        Self::Memory { path: path.to_owned(), bytes: refused.bytes }
     }
 
     pub(crate) fn field(path: &Path) -> impl FnOnce(FieldError) -> Self {

@@ -46,7 +46,7 @@ mod values;
 mod volumes;
 mod world;
 
-pub use atomic::AtomicFile;
+pub use atomic::{AtomicFile, discard_unfinished};
 pub use error::IoError;
 pub use options::{Format, Loaded, ReadOptions, WriteOptions};
 pub use picture::{Picture, PngPixels, Transfer, read_exr, read_png, write_exr, write_png};

@@ -2,7 +2,7 @@
 
 use bytemuck::cast_slice_mut;
 use half::f16;
-use pellucid_field::{Voxel, VoxelType, Voxels, Warning};
+use pellucid_field::{Voxel, VoxelType, Voxels, Warning, memory};
 
 use crate::payload::Payload;
 use crate::stream::Stream;
@@ -43,7 +43,7 @@ fn kept<T: Voxel>(payload: &Payload, warnings: &mut Vec<Warning>) -> Result<Voxe
             let vouched = stream.vouched()? as usize / size_of::<T>();
             // As much again as has arrived keeps the copies of a growing vector few.
             let room = vouched.max(values.len()).max(1).min(count - values.len());
-            values.try_reserve_exact(room).map_err(|_| out_of_memory(payload))?;
+            memory::reserve(&mut values, room).map_err(|_| out_of_memory(payload))?;
         }
         let start = values.len();
         let end = (start + STEP / size_of::<T>()).min(values.capacity()).min(count);
@@ -102,7 +102,11 @@ fn narrowed<T: Voxel>(
     let mut values: Vec<T> = Vec::new();
     let mut largest_error = 0f64;
     for_each_chunk(payload, warnings, |chunk| {
-        values.try_reserve(chunk.len()).map_err(|_| out_of_memory(payload))?;
+        if values.capacity() - values.len() < chunk.len() {
+            // As much again, as vectors grow by themselves.
+            let more = values.len().max(chunk.len());
+            memory::reserve(&mut values, more).map_err(|_| out_of_memory(payload))?;
+        }
         for &bytes in chunk {
             let (value, error) = narrow(bytes);
             largest_error = largest_error.max(error);
@@ -150,7 +154,7 @@ fn interleaved<T: Voxel>(payload: &Payload, planar: Vec<T>) -> Result<Vec<T>, Io
         return Ok(planar);
     }
     let mut values = Vec::new();
-    values.try_reserve_exact(planar.len()).map_err(|_| out_of_memory(payload))?;
+    memory::reserve(&mut values, planar.len()).map_err(|_| out_of_memory(payload))?;
     let voxels = planar.len() / payload.planes;
     values.extend((0..voxels).flat_map(|voxel| planar[voxel..].iter().step_by(voxels).copied()));
     Ok(values)

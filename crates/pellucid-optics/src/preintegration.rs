@@ -4,6 +4,7 @@
 //! Between two samples the data are taken as linear; the transfer function is integrated over
 //! them beforehand, so that a peak narrower than the step between two samples is not missed.
 
+use pellucid_field::parallel;
 use rayon::prelude::*;
 
 use crate::error::checked;
@@ -44,13 +45,11 @@ impl PreIntegration {
         let cells = size - 1;
         // Segments that span `span` cells have `ratio / span` unit distances per cell: they are
         // composed of the same cells, each window in constant time.
-        let spans: Vec<[Vec<Segment>; 2]> = (1..=cells)
-            .into_par_iter()
-            .map(|span| {
-                let (ascending, descending) = medium.cells(ratio / span as f64);
-                [windows(&ascending, span, Segment::then), windows(&descending, span, |a, b| b.then(a))]
-            })
-            .collect();
+        let of_span = |span: usize| {
+            let (ascending, descending) = medium.cells(ratio / span as f64);
+            [windows(&ascending, span, Segment::then), windows(&descending, span, |a, b| b.then(a))]
+        };
+        let spans: Vec<[Vec<Segment>; 2]> = parallel(|| (1..=cells).into_par_iter().map(of_span).collect());
         let entry = |front: usize, back: usize| match front.cmp(&back) {
             std::cmp::Ordering::Less => spans[back - front - 1][0][front].to_entry(),
             std::cmp::Ordering::Greater => spans[front - back - 1][1][back].to_entry(),
@@ -108,9 +107,10 @@ impl PreIntegration {
     fn fill(nodes: Nodes, entry: impl Fn(usize, usize) -> [f32; 4] + Sync) -> Self {
         let count = nodes.count();
         let mut entries = vec![[0.0; 4]; count * count];
-        entries.par_chunks_mut(count).enumerate().for_each(|(back, row)| {
+        let fill = |(back, row): (usize, &mut [[f32; 4]])| {
             row.iter_mut().enumerate().for_each(|(front, place)| *place = entry(front, back));
-        });
+        };
+        parallel(|| entries.par_chunks_mut(count).enumerate().for_each(fill));
         Self { nodes, entries }
     }
 

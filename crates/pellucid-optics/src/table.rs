@@ -1,5 +1,6 @@
 //! Transfer functions as tables: what is looked up per sample.
 
+use pellucid_field::parallel;
 use rayon::prelude::*;
 
 use crate::opacity::correct_opacity;
@@ -37,7 +38,7 @@ impl Table {
             [r, g, b, tf.opacity(value)]
         };
         // Small tables are built faster than threads are woken.
-        let entries = (0..nodes.count()).into_par_iter().with_min_len(2048).map(entry).collect();
+        let entries = parallel(|| (0..nodes.count()).into_par_iter().with_min_len(2048).map(entry).collect());
         Self { nodes, entries }
     }
 

@@ -1,5 +1,6 @@
 //! From a frame to the numbers of a picture.
 
+use pellucid_field::parallel;
 use pellucid_optics::srgb_encode;
 use rayon::prelude::*;
 
@@ -33,7 +34,7 @@ impl Frame {
         }
     }
 
-    /// Rows in parallel, on the current thread pool.
+    /// Rows in parallel.
     fn encoded<T: Copy + Default + Send>(
         &self,
         image: &ImageSettings,
@@ -44,13 +45,16 @@ impl Frame {
         const LEAST: usize = 1 << 14;
         let width = self.width.max(1);
         let mut values = vec![[T::default(); 4]; self.color.len()];
-        let rows = values.par_chunks_mut(width).zip(self.color.par_chunks(width)).enumerate();
-        rows.with_min_len(LEAST.div_ceil(width)).for_each(|(y, (values, colors))| {
+        let encode = |(y, (values, colors)): (usize, (&mut [[T; 4]], &[[f32; 4]]))| {
             let backdrop = Backdrop::new(image, y, self.height);
             for (value, color) in values.iter_mut().zip(colors) {
                 let [r, g, b, a] = backdrop.behind(*color);
                 *value = [light(r), light(g), light(b), alpha(a)];
             }
+        };
+        parallel(|| {
+            let rows = values.par_chunks_mut(width).zip(self.color.par_chunks(width)).enumerate();
+            rows.with_min_len(LEAST.div_ceil(width)).for_each(encode);
         });
         values.into_flattened()
     }

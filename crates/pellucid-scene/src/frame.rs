@@ -93,6 +93,9 @@ impl fmt::Display for RenderWarning {
 }
 
 impl Frame {
+    /// Memory of a pixel with all that a frame holds of it.
+    pub const PIXEL_BYTES: usize = size_of::<[f32; 4]>() + size_of::<[f32; 3]>() + 3 * size_of::<f32>();
+
     /// An empty picture.
     pub fn new(width: usize, height: usize) -> Self {
         let mut frame = Self::default();

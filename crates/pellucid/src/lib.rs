@@ -31,6 +31,14 @@
 //!
 //! For a window, [`Progressive`] draws a preview first and then ever better pictures.
 //!
+//! Pictures are made of many small steps, which are slow where nothing optimizes them. A program that is
+//! built without `--release` says so in its `Cargo.toml`:
+//!
+//! ```toml
+//! [profile.dev.package."*"]
+//! opt-level = 2
+//! ```
+//!
 //! The parts can be imported on their own: [`field`] is what is measured, [`optics`] what it
 //! looks like, [`scene`] what to draw, [`io`] files in and out.
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pellucid_field::closed_form::ScalarField;
-use pellucid_field::{FieldError, Grid, Volume, VoxelType, Warning, closed_form};
+use pellucid_field::{FieldError, Grid, Volume, VoxelType, Warning, closed_form, memory};
 use pellucid_io::{Endian, IoError, RawLayout, ReadOptions, Transfer};
 use pellucid_model::{Clouds, HeightField, HeightMap, Ramp, Spectral};
 use pellucid_optics::{Environment, OpticsError, SkyMap, SkySource, srgb_decode};
@@ -198,8 +198,6 @@ fn baked(volume: usize, field: &dyn ScalarField, dims: [usize; 3], voxel_type: V
     let failed = |source| LoadError::Sample { volume, source };
     let bytes = Grid::new(dims).map_err(failed)?.len() * voxel_type.size();
     // An allocation that fails within would end the program: ask first.
-    if Vec::<u8>::new().try_reserve_exact(bytes).is_err() {
-        return Err(LoadError::Memory { volume, bytes });
-    }
+    memory::afford(bytes).map_err(|_| LoadError::Memory { volume, bytes })?;
     closed_form::sample_field(field, dims, voxel_type).map_err(failed)
 }

@@ -3,6 +3,9 @@
 use std::fmt;
 
 use pellucid_cpu::{CpuRenderer, InstructionSet};
+use pellucid_field::Threads;
+#[cfg(feature = "gpu")]
+use pellucid_field::parallel;
 #[cfg(feature = "gpu")]
 use pellucid_gpu::{AdapterChoice, Ceiling, GpuRenderer};
 #[cfg(feature = "gpu")]
@@ -85,6 +88,9 @@ impl From<pellucid_gpu::GpuError> for RenderError {
 /// Draws stages. Keep one for several frames: what depends on the data alone is made once.
 pub struct Renderer {
     engine: Engine,
+    /// What the processor does beside a graphics adapter runs on these, if they are said.
+    #[cfg(feature = "gpu")]
+    threads: Option<Threads>,
     /// Why graphics hardware is not used, if it was looked for.
     #[cfg(feature = "gpu")]
     without_gpu: Option<pellucid_gpu::GpuError>,
@@ -103,6 +109,8 @@ impl From<Engine> for Renderer {
     fn from(engine: Engine) -> Self {
         Self {
             engine,
+            #[cfg(feature = "gpu")]
+            threads: None,
             #[cfg(feature = "gpu")]
             without_gpu: None,
             #[cfg(feature = "gpu")]
@@ -131,7 +139,8 @@ impl From<GpuRenderer> for Renderer {
 }
 
 impl Renderer {
-    /// A renderer on all cores, or on the best graphics hardware.
+    /// A renderer on all cores, or on the best graphics hardware. Chosen by [`Backend::Auto`], the processor
+    /// draws what the adapter does not, and what it has no memory for or was lost over; frames say so.
     ///
     /// # Errors
     /// [`RenderError`] if the backend is not to be had; the CPU always is.
@@ -156,13 +165,31 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::Cpu`] if there are none, too many, or the system refuses them.
     pub fn with_threads(backend: Backend, threads: usize) -> Result<Self, RenderError> {
-        let cpu = CpuRenderer::with_threads(threads)?;
-        let renderer = Self::new(backend)?;
-        Ok(if matches!(renderer.engine, Engine::Cpu(_)) {
-            Self { engine: Engine::Cpu(Box::new(cpu)), ..renderer }
-        } else {
-            renderer
-        })
+        let threads = Threads::new(threads).map_err(pellucid_cpu::RenderError::from)?;
+        Ok(Self::new(backend)?.on_threads(threads))
+    }
+
+    /// The same renderer with its CPU work on other threads: all of it if the processor draws, else what
+    /// it does beside a graphics adapter (tables, blocks) and instead of it.
+    pub fn on_threads(self, threads: Threads) -> Self {
+        #[cfg(feature = "gpu")]
+        let threads_of_cpu = threads.clone();
+        #[cfg(not(feature = "gpu"))]
+        let threads_of_cpu = threads;
+        let engine = match self.engine {
+            Engine::Cpu(cpu) => Engine::Cpu(Box::new(cpu.on_threads(threads_of_cpu))),
+            #[cfg(feature = "gpu")]
+            engine @ Engine::Gpu(_) => engine,
+        };
+        Self {
+            engine,
+            #[cfg(feature = "gpu")]
+            stand_in: self.stand_in.map(|cpu| Box::new(cpu.on_threads(threads.clone()))),
+            #[cfg(feature = "gpu")]
+            threads: Some(threads),
+            #[cfg(feature = "gpu")]
+            without_gpu: self.without_gpu,
+        }
     }
 
     /// The same renderer with other processor instructions, if the processor draws. The picture
@@ -185,7 +212,8 @@ impl Renderer {
         Self { without_gpu: Some(why), ..self }
     }
 
-    /// The same renderer, in which the processor draws what the graphics adapter does not; frames say so.
+    /// The same renderer, in which the processor draws what the graphics adapter does not have, and what it
+    /// fails over because it is lost or has too little memory; frames say so.
     #[cfg(feature = "gpu")]
     pub fn with_stand_in(self, cpu: CpuRenderer) -> Self {
         Self { stand_in: Some(Box::new(cpu)), ..self }
@@ -247,13 +275,18 @@ impl Renderer {
                 Ok(self.without_gpu.iter().map(choice).collect())
             }
             #[cfg(feature = "gpu")]
-            Engine::Gpu(_) if self.stand_in.is_some() && GpuRenderer::lacks(stage).is_some() => {
-                let what = GpuRenderer::lacks(stage).unwrap_or_default();
-                Ok(vec![Choice { setting: "backend", chosen: format!("cpu, as the GPU backend has no {what}") }])
-            }
-            #[cfg(feature = "gpu")]
             Engine::Gpu(gpu) => {
-                let plan = gpu.plan(stage)?;
+                let planned = match (&self.stand_in, GpuRenderer::lacks(stage)) {
+                    (Some(_), Some(what)) => Err(format!("the GPU backend has no {what}")),
+                    (stand_in, _) => match on(&self.threads, || gpu.plan(stage)) {
+                        Err(error) if stand_in.is_some() && gives_out(&error, stage) => Err(error.to_string()),
+                        planned => Ok(planned?),
+                    },
+                };
+                let plan = match planned {
+                    Ok(plan) => plan,
+                    Err(why) => return Ok(vec![Choice { setting: "backend", chosen: format!("cpu, as {why}") }]),
+                };
                 let (device, interpolation) = (gpu.device(), gpu.interpolation());
                 let chosen = format!("{}; {}; {interpolation} interpolation", device.adapter, device.capabilities);
                 let memory = Choice { setting: "graphics memory", chosen: plan.to_string() };
@@ -281,17 +314,41 @@ impl Renderer {
         match &mut self.engine {
             Engine::Cpu(cpu) => Ok(cpu.render_into(stage, control, frame)?),
             #[cfg(feature = "gpu")]
-            Engine::Gpu(gpu) => match (&mut self.stand_in, GpuRenderer::lacks(stage)) {
-                (Some(cpu), Some(what)) => {
-                    cpu.render_into(stage, control, frame)?;
-                    let reason = format!("the GPU backend has no {what}: the processor drew this picture");
-                    frame.warnings.push(RenderWarning::Fallback { reason });
-                    Ok(())
-                }
-                _ => Ok(gpu.render_into(stage, control, frame)?),
-            },
+            Engine::Gpu(gpu) => {
+                let threads = &self.threads;
+                let mut draw = || on(threads, || gpu.render_into(stage, control, frame));
+                let Some(cpu) = &mut self.stand_in else { return Ok(draw()?) };
+                let why = match GpuRenderer::lacks(stage) {
+                    Some(what) => format!("the GPU backend has no {what}"),
+                    None => match draw() {
+                        Err(error) if gives_out(&error, stage) => error.to_string(),
+                        drawn => return Ok(drawn?),
+                    },
+                };
+                cpu.render_into(stage, control, frame)?;
+                let reason = format!("{why}: the processor drew this picture");
+                frame.warnings.push(RenderWarning::Fallback { reason });
+                Ok(())
+            }
         }
     }
+}
+
+/// Does work on these threads, or on those of all parallel work.
+#[cfg(feature = "gpu")]
+fn on<R: Send>(threads: &Option<Threads>, work: impl FnOnce() -> R + Send) -> R {
+    match threads {
+        Some(threads) => threads.run(work),
+        None => parallel(work),
+    }
+}
+
+/// Whether an adapter failed that was there, over a stage that the processor can draw.
+#[cfg(feature = "gpu")]
+fn gives_out(error: &pellucid_gpu::GpuError, stage: &Stage) -> bool {
+    use pellucid_gpu::GpuError;
+    matches!(error, GpuError::Lost { .. } | GpuError::Memory { .. } | GpuError::Budget { .. })
+        && CpuRenderer::draws(stage)
 }
 
 /// A renderer on the best graphics hardware.

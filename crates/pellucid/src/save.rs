@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use pellucid_field::memory;
 use pellucid_io::{IoError, PngPixels, Transfer, write_exr, write_png};
 use pellucid_scene::{Background, Encoding, Frame, ImageSettings};
 
@@ -51,7 +52,11 @@ pub fn save(path: impl AsRef<Path>, frame: &Frame, image: &ImageSettings) -> Res
 /// # Errors
 /// [`IoError::Io`].
 pub fn save_png(path: impl AsRef<Path>, frame: &Frame, image: &ImageSettings, depth: PngDepth) -> Result<(), IoError> {
+    let path = path.as_ref();
     let (width, height) = (frame.width as u32, frame.height as u32);
+    let bytes_per_pixel = if depth == PngDepth::Eight { 4 } else { 8 };
+    // Once as they are, once packed.
+    afford(path, frame, 2 * bytes_per_pixel)?;
     let transfer = match image.encoding {
         Encoding::Srgb => Transfer::Srgb,
         Encoding::Linear => Transfer::Linear,
@@ -69,6 +74,9 @@ pub fn save_png(path: impl AsRef<Path>, frame: &Frame, image: &ImageSettings, de
 /// # Errors
 /// [`IoError::Io`].
 pub fn save_exr(path: impl AsRef<Path>, frame: &Frame, image: &ImageSettings) -> Result<(), IoError> {
+    let path = path.as_ref();
+    // Nine channels, here and in what is packed.
+    afford(path, frame, 2 * 9 * size_of::<f32>())?;
     let mut rgba = [const { Vec::new() }; 4];
     for pixel in 0..frame.color.len() {
         let [r, g, b, a] = frame.composited(pixel, image);
@@ -93,6 +101,11 @@ pub fn save_exr(path: impl AsRef<Path>, frame: &Frame, image: &ImageSettings) ->
         ("samples", &samples),
     ];
     write_exr(path, frame.width as u32, frame.height as u32, &channels)
+}
+
+/// Refuses a picture that does not fit into memory once more, in the form of a file.
+fn afford(path: &Path, frame: &Frame, bytes_per_pixel: usize) -> Result<(), IoError> {
+    memory::afford(frame.color.len() * bytes_per_pixel).map_err(|refused| IoError::memory(path, refused))
 }
 
 #[cfg(test)]

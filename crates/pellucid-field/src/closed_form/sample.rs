@@ -5,7 +5,7 @@ use half::f16;
 use rayon::prelude::*;
 
 use super::ScalarField;
-use crate::{FieldError, Grid, ValueMap, Volume, Voxel, VoxelType, Voxels};
+use crate::{FieldError, Grid, ValueMap, Volume, Voxel, VoxelType, Voxels, parallel};
 
 /// Samples a field on a grid whose outermost samples lie on the box of the field (1.5-1: N
 /// samples span N - 1 spacings). An axis with one sample gets the middle of the box, one voxel
@@ -81,12 +81,13 @@ fn levels(voxel_type: VoxelType) -> Option<(f64, f64)> {
 fn fill<T: Voxel>(field: &dyn ScalarField, grid: &Grid, map: ValueMap) -> Vec<T> {
     let [nx, ny, _] = grid.dims();
     let mut voxels = vec![T::zeroed(); grid.len()];
-    voxels.par_chunks_mut(nx).enumerate().for_each(|(row, voxels)| {
+    let fill = |(row, voxels): (usize, &mut [T])| {
         let (y, z) = ((row % ny) as f64, (row / ny) as f64);
         for (x, voxel) in voxels.iter_mut().enumerate() {
             let p = grid.world_from_index().transform_point3(DVec3::new(x as f64, y, z));
             *voxel = T::from_f64(map.stored(field.value(p)));
         }
-    });
+    };
+    parallel(|| voxels.par_chunks_mut(nx).enumerate().for_each(fill));
     voxels
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 use pellucid_field::{ValueMap, Volume, VoxelType, Warning};
 
-use crate::body::{Files, Packing, SIZE_DIGITS, align, written_type};
+use crate::body::{DataFile, Files, Packing, SIZE_DIGITS, align, written_type};
 use crate::options::plain_extension;
 use crate::{Endian, IoError, WriteOptions};
 
@@ -16,8 +16,7 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
         None => (Packing::Plain, "raw"),
         Some(level) => (Packing::Zlib(level), "zraw"),
     };
-    // Named after the whole header, so that it cannot replace a `.raw` that was read.
-    let data_file = (plain_extension(path) == "mhd").then(|| path.with_added_extension(data_extension));
+    let data_file = (plain_extension(path) == "mhd").then(|| DataFile::of(path, data_extension)).transpose()?;
     let grid = volume.grid();
     let affine = grid.world_from_index();
     let spacing = grid.spacing();
@@ -64,8 +63,7 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
         warnings.push(Warning::File(format!("MetaImage has no field for the unit of the values, '{unit}'")));
     }
     tag("ElementType", tag_type);
-    let name = data_file.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy());
-    let last = format!("ElementDataFile = {}\n", name.as_deref().unwrap_or("LOCAL"));
+    let last = format!("ElementDataFile = {}\n", data_file.as_ref().map_or("LOCAL", |file| &file.name));
     // The MetaIO library cannot unpack local data without their size, which is known only at the end.
     let size_at = options.compression.map(|_| {
         header.push_str("CompressedDataSize = ");
@@ -76,7 +74,7 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
     });
     align(&mut header, "Comment = aligned", last.len());
     header.push_str(&last);
-    let (header, data_file) = (header.as_bytes(), data_file.as_deref());
+    let (header, data_file) = (header.as_bytes(), data_file.as_ref());
     Files { path, header, size_at, data_file, packing }.write(volume)?;
     Ok(warnings)
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 use pellucid_field::{ValueMap, Volume, VoxelType, Warning};
 
-use crate::body::{Files, Packing, align, written_type};
+use crate::body::{DataFile, Files, Packing, align, written_type};
 use crate::options::plain_extension;
 use crate::{Endian, IoError, WriteOptions};
 
@@ -16,8 +16,7 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
         None => (Packing::Plain, "raw", "raw"),
         Some(level) => (Packing::Gzip(level), "gzip", "raw.gz"),
     };
-    // Named after the whole header, so that it cannot replace a `.raw` that was read.
-    let data_file = (plain_extension(path) == "nhdr").then(|| path.with_added_extension(data_extension));
+    let data_file = (plain_extension(path) == "nhdr").then(|| DataFile::of(path, data_extension)).transpose()?;
     let grid = volume.grid();
     let [x, y, z] = grid.dims();
     let affine = grid.world_from_index();
@@ -61,8 +60,8 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
     if let Some(unit) = &volume.value_unit {
         field("sample units", &format!("\"{}\"", one_line(unit)));
     }
-    if let Some(name) = data_file.as_deref().and_then(Path::file_name) {
-        field("data file", &name.to_string_lossy());
+    if let Some(DataFile { name, .. }) = &data_file {
+        field("data file", name);
     }
     let map = volume.value_map();
     if map != ValueMap::IDENTITY {
@@ -74,7 +73,7 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
     }
     align(&mut header, "#", 1);
     header.push('\n');
-    let (header, data_file) = (header.as_bytes(), data_file.as_deref());
+    let (header, data_file) = (header.as_bytes(), data_file.as_ref());
     Files { path, header, size_at: None, data_file, packing }.write(volume)?;
     Ok(warnings)
 }

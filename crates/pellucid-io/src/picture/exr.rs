@@ -8,6 +8,8 @@ use exr::prelude::{
     WritableImage,
 };
 
+use pellucid_field::memory;
+
 use super::{Picture, Transfer};
 use crate::source::Source;
 use crate::{AtomicFile, IoError};
@@ -71,12 +73,16 @@ pub fn write_exr(path: impl AsRef<Path>, width: u32, height: u32, channels: &[(&
     if channels.is_empty() {
         return Err(IoError::malformed(path, "channels", "none", "at least one"));
     }
-    let list = channels.iter().map(|(name, values)| AnyChannel::new(*name, FlatSamples::F32(values.to_vec())));
+    let channel = |(name, values): &(&str, &[f32])| {
+        let values = memory::copied(values).map_err(|refused| IoError::memory(path, refused))?;
+        Ok(AnyChannel::new(*name, FlatSamples::F32(values)))
+    };
+    let list = channels.iter().map(channel).collect::<Result<_, IoError>>()?;
     let layer = Layer::new(
         (width as usize, height as usize),
         LayerAttributes::default(),
         Encoding::SMALL_LOSSLESS,
-        AnyChannels::sort(list.collect()),
+        AnyChannels::sort(list),
     );
     let mut file = AtomicFile::create(path)?;
     let written = Image::from_layer(layer).write().to_buffered(&mut file);

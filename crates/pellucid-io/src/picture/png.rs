@@ -3,6 +3,7 @@
 use std::io::{Cursor, Write};
 use std::path::Path;
 
+use pellucid_field::memory;
 use png::{BitDepth, ColorType, DecodingError, EncodingError, ScaledFloat, SrgbRenderingIntent, Transformations};
 
 use crate::source::Source;
@@ -134,13 +135,13 @@ pub fn read_png(path: impl AsRef<Path>) -> Result<Picture, IoError> {
     let out_of_memory = |bytes: u64| IoError::Memory { path: path.to_owned(), bytes };
     let size = reader.output_buffer_size().ok_or_else(|| out_of_memory(u64::MAX))?;
     let mut bytes = Vec::new();
-    bytes.try_reserve_exact(size).map_err(|_| out_of_memory(size as u64))?;
+    memory::reserve(&mut bytes, size).map_err(|_| out_of_memory(size as u64))?;
     bytes.resize(size, 0);
     let frame = reader.next_frame(&mut bytes).map_err(damaged)?;
     let channels = frame.color_type.samples();
     let area = width as usize * height as usize;
     let mut pixels = Vec::new();
-    pixels.try_reserve_exact(area).map_err(|_| out_of_memory(area as u64 * 16))?;
+    memory::reserve(&mut pixels, area).map_err(|_| out_of_memory(area as u64 * 16))?;
     let rgba = |pixel: [f32; 4]| match channels {
         1 => [pixel[0], pixel[0], pixel[0], 1.0],
         2 => [pixel[0], pixel[0], pixel[0], pixel[1]],

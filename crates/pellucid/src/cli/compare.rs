@@ -153,13 +153,18 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
         drawn.push(draw(&rendition, &scene, &volumes, plan, drawn.first())?);
     }
     if let Some(path) = &args.output {
-        interrupt::gracefully(|| sheet(path, &drawn, &scene.image, args.gain))?;
+        sheet(path, &drawn, &scene.image, args.gain)?;
         report.say(format_args!("wrote {}", path.display()));
     }
     if args.json { print_json(&json(&drawn)) } else { print(&table(&drawn)) }
 }
 
 impl CompareArgs {
+    /// Threads to work on.
+    pub fn threads(&self) -> u16 {
+        self.engine.threads()
+    }
+
     /// The pictures to draw: those of the techniques, then those with other settings.
     fn renditions(&self) -> Vec<Rendition> {
         let own = Rendition { label: "scene".into(), ..Rendition::default() };

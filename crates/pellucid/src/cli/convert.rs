@@ -38,7 +38,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     };
     warnings.iter().for_each(|warning| report.warn(warning));
     let options = WriteOptions { compression: args.compress, ..WriteOptions::default() };
-    let lost = interrupt::gracefully(|| Ok(write(&args.output, volume, &options)?))?;
+    let lost = write(&args.output, volume, &options)?;
     lost.iter().for_each(|warning| report.warn(warning));
     report.say(format_args!("wrote {}", args.output.display()));
     Ok(())

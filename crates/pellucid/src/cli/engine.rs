@@ -2,6 +2,7 @@
 
 use std::num::NonZero;
 
+use pellucid::field::{Threads, thread_count};
 use pellucid::gpu::{AdapterChoice, Ceiling, GpuError, GpuRenderer, Interpolation, Passes};
 use pellucid::{Backend, CpuRenderer, InstructionSet, RenderError, Renderer};
 
@@ -19,6 +20,12 @@ const INTERPOLATIONS: [(&str, Interpolation); 2] =
     [("hardware", Interpolation::Hardware), ("exact", Interpolation::Exact)];
 const PASSES: [(&str, Passes); 2] = [("single", Passes::Single), ("wavefront", Passes::Wavefront)];
 const MOST_THREADS: u16 = 1024;
+
+/// As many threads as there are cores.
+pub fn cores() -> u16 {
+    let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
+    cores.min(MOST_THREADS.into()) as u16
+}
 
 #[derive(clap::Args, Clone, Debug)]
 #[command(next_help_heading = "Renderer")]
@@ -54,11 +61,20 @@ pub struct Engine {
 impl Engine {
     /// The renderer asked for.
     pub fn renderer(&self) -> Result<Renderer, RenderError> {
+        let renderer = self.backend()?;
+        let threads = usize::from(self.threads());
+        // The command runs on threads already, seldom on others than these.
+        if threads == thread_count() {
+            return Ok(renderer);
+        }
+        Ok(renderer.on_threads(Threads::new(threads).map_err(pellucid_cpu::RenderError::from)?))
+    }
+
+    fn backend(&self) -> Result<Renderer, RenderError> {
         if self.backend == Backend::Gpu || self.adapter.is_some() {
             return Ok(self.gpu()?.into());
         }
-        let cpu = self.threads.map_or_else(|| Ok(CpuRenderer::new()), |n| CpuRenderer::with_threads(n.into()))?;
-        let cpu = cpu.with_instructions(self.simd)?;
+        let cpu = CpuRenderer::new().with_instructions(self.simd)?;
         let gpu = (self.backend == Backend::Auto).then(|| self.gpu()).transpose();
         Ok(match gpu {
             Ok(Some(gpu)) => Renderer::from(gpu).with_stand_in(cpu),
@@ -86,8 +102,7 @@ impl Engine {
 
     /// Threads asked for, or as many as there are cores.
     pub fn threads(&self) -> u16 {
-        let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
-        self.threads.unwrap_or_else(|| cores().min(MOST_THREADS.into()) as u16)
+        self.threads.unwrap_or_else(cores)
     }
 
     /// The same with this number of threads.

@@ -23,7 +23,7 @@ const WORK: u8 = 1;
 /// The input or the command line is wrong.
 const INPUT: u8 = 2;
 /// Stopped by Ctrl-C: 128 + SIGINT.
-pub const CANCELLED: u8 = 130;
+const CANCELLED: u8 = 130;
 
 impl Failure {
     /// The input or the command line is wrong.
@@ -39,6 +39,11 @@ impl Failure {
     /// The user stopped it.
     pub fn cancelled() -> Self {
         Self { code: CANCELLED, ..Self::input("cancelled, no picture was written") }
+    }
+
+    /// The same with another exit code.
+    pub fn code(self, code: u8) -> Self {
+        Self { code, ..self }
     }
 
     /// Adds what to do next.
@@ -119,7 +124,8 @@ impl From<RenderError> for Failure {
         match error {
             RenderError::Cancelled => Self::cancelled(),
             RenderError::Gpu(GpuError::Unsupported { .. }) => Self::input(error),
-            RenderError::Cpu(pellucid_cpu::RenderError::Threads { .. }) | RenderError::Gpu(_) => Self::work(error),
+            RenderError::Cpu(pellucid_cpu::RenderError::Threads(_) | pellucid_cpu::RenderError::Memory(_))
+            | RenderError::Gpu(_) => Self::work(error),
             _ => Self::input(error),
         }
     }

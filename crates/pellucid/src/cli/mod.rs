@@ -29,6 +29,7 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use failure::Failure;
+use pellucid::field::Threads;
 
 /// Volume graphics: turns scans, simulations and built-in fields into pictures.
 ///
@@ -43,6 +44,7 @@ Exit codes:
     1  something failed while working: a file could not be written, no threads, no memory
     2  the input or the command line is wrong
   130  cancelled with Ctrl-C; nothing half-written is left behind
+  128 + N  ended by another signal, as 143 by SIGTERM and 129 by SIGHUP; nothing is left behind, either
 
 Try:
   pellucid render sample:head -o head.png
@@ -89,18 +91,38 @@ pub fn main() -> ExitCode {
         }
         Err(error) => return fail(&Failure::usage(&error, &named_command())),
     };
-    let done = match cli.command {
-        Command::Render(args) => render::run(&args),
-        Command::Bench(args) => bench::run(&args),
-        Command::Compare(args) => compare::run(&args),
-        Command::Info(args) => info::run(&args),
-        Command::Sample(args) => sample::run(&args),
-        Command::Convert(args) => convert::run(&args),
-        Command::Presets(args) => presets::run(&args),
-        Command::Schema => schema::run(),
-        Command::Completions(args) => completions::run(&args),
-    };
+    // All of it on threads that were to be had, so that no part of the work meets a lack of them.
+    let done = Threads::new(cli.command.threads().into()).map_err(Failure::work);
+    let done = done.and_then(|threads| threads.run(|| cli.command.run()));
     done.map_or_else(|failure| fail(&failure), |()| ExitCode::SUCCESS)
+}
+
+impl Command {
+    /// Threads to work on.
+    fn threads(&self) -> u16 {
+        match self {
+            Self::Render(args) => args.threads(),
+            Self::Bench(args) => args.threads(),
+            Self::Compare(args) => args.threads(),
+            // They have no work for several.
+            Self::Presets(_) | Self::Schema | Self::Completions(_) => 1,
+            Self::Info(_) | Self::Sample(_) | Self::Convert(_) => engine::cores(),
+        }
+    }
+
+    fn run(&self) -> Result<(), Failure> {
+        match self {
+            Self::Render(args) => render::run(args),
+            Self::Bench(args) => bench::run(args),
+            Self::Compare(args) => compare::run(args),
+            Self::Info(args) => info::run(args),
+            Self::Sample(args) => sample::run(args),
+            Self::Convert(args) => convert::run(args),
+            Self::Presets(args) => presets::run(args),
+            Self::Schema => schema::run(),
+            Self::Completions(args) => completions::run(args),
+        }
+    }
 }
 
 /// "pellucid render", if that is what the command line begins with.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use pellucid::field::memory;
 use pellucid::io::IoError;
 use pellucid::scene::{Cancel, Control, Format, Frame, ImageSettings, Scene, Source, Stage};
 use pellucid::{PngDepth, Progressive, Renderer, load, save_exr, save_png};
@@ -84,6 +85,13 @@ struct OutputFlags {
 
 const DEPTHS: [(&str, PngDepth); 2] = [("8", PngDepth::Eight), ("16", PngDepth::Sixteen)];
 
+impl RenderArgs {
+    /// Threads to work on.
+    pub fn threads(&self) -> u16 {
+        self.engine.threads()
+    }
+}
+
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let report = Report { quiet: args.output.quiet };
     let cancel = interrupt::listen();
@@ -100,22 +108,23 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     warnings.extend_from_slice(args.scene.warnings());
     report.opening(&volumes, &choices, &warnings);
     if let Some(path) = &args.output.save_scene {
-        interrupt::gracefully(|| save_scene(path, &scene, &base))?;
+        save_scene(path, &scene, &base)?;
         report.say(format_args!("wrote {}", path.display()));
     }
     let Some(output) = &args.output.output else { return Ok(()) };
 
-    let (frame, save_seconds, backend) = interrupt::gracefully(|| {
+    let (frame, backend) = interrupt::gracefully(|| {
         let mut renderer = args.engine.renderer()?;
         let backend = renderer.describe();
         let engine = renderer.choices(&stage)?;
         engine.iter().for_each(|choice| report.say(choice));
         choices.extend(engine);
         let frame = draw(renderer, stage, args.accumulate.into(), &cancel, report)?;
-        let saving = Instant::now();
-        args.output.save(output, &frame, &scene.image)?;
-        Ok((frame, saving.elapsed().as_secs_f64(), backend))
+        Ok((frame, backend))
     })?;
+    let saving = Instant::now();
+    args.output.save(output, &frame, &scene.image)?;
+    let save_seconds = saving.elapsed().as_secs_f64();
     for warning in &frame.warnings {
         report.warn(warning);
         warnings.push(warning.to_string());
@@ -194,7 +203,7 @@ pub fn affordable(image: &ImageSettings, frames: usize) -> Result<(), Failure> {
     /// A frame with all layers. There is one more of them, in tiles or in what is written.
     const BYTES_PER_PIXEL: usize = 50;
     let bytes = (image.width as usize * image.height as usize).saturating_mul(BYTES_PER_PIXEL * (frames + 1));
-    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| {
+    memory::afford(bytes).map_err(|_| {
         let size = format_args!("{} x {} pixels", image.width, image.height);
         Failure::work(format_args!("a picture of {size} needs about {} GB of memory", bytes / 1_000_000_000))
     })

@@ -44,7 +44,7 @@ pub fn run(args: &SampleArgs) -> Result<(), Failure> {
     let sample = SampleSource { name: name.clone(), dims: args.dims, voxel_type: args.voxel_type };
     let (volumes, _) = load(&Scene::of(Source::Sample(sample)), "")?;
     for volume in &volumes {
-        let lost = interrupt::gracefully(|| Ok(write(output, volume, &WriteOptions::default())?))?;
+        let lost = write(output, volume, &WriteOptions::default())?;
         lost.iter().for_each(|warning| report.warn(warning));
     }
     report.say(format_args!("wrote {}", output.display()));

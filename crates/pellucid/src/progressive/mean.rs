@@ -1,5 +1,6 @@
 //! The mean of frames.
 
+use pellucid_field::parallel;
 use pellucid_scene::Frame;
 use rayon::prelude::*;
 
@@ -11,12 +12,14 @@ const LEAST: usize = 1 << 14;
 /// depth and normal, of which no mean is a surface, stay those of the first.
 pub fn average(mean: &mut Frame, frame: &Frame, frames: u32) {
     let share = 1.0 / frames as f32;
-    let colors = mean.color.par_iter_mut().zip(&frame.color).with_min_len(LEAST);
-    colors.for_each(|(mean, color)| (0..4).for_each(|c| mean[c] += (color[c] - mean[c]) * share));
-    let samples = mean.samples.par_iter_mut().zip(&frame.samples).with_min_len(LEAST);
-    samples.for_each(|(sum, samples)| *sum = sum.saturating_add(*samples));
-    let noise = mean.noise.par_iter_mut().zip(&frame.noise).with_min_len(LEAST);
-    noise.for_each(|(mean, noise)| *mean = (*mean * (1.0 - share)).hypot(noise * share));
+    parallel(|| {
+        let colors = mean.color.par_iter_mut().zip(&frame.color).with_min_len(LEAST);
+        colors.for_each(|(mean, color)| (0..4).for_each(|c| mean[c] += (color[c] - mean[c]) * share));
+        let samples = mean.samples.par_iter_mut().zip(&frame.samples).with_min_len(LEAST);
+        samples.for_each(|(sum, samples)| *sum = sum.saturating_add(*samples));
+        let noise = mean.noise.par_iter_mut().zip(&frame.noise).with_min_len(LEAST);
+        noise.for_each(|(mean, noise)| *mean = (*mean * (1.0 - share)).hypot(noise * share));
+    });
     mean.statistics.add(&frame.statistics);
     mean.warnings.retain(|warning| frame.warnings.contains(warning));
 }

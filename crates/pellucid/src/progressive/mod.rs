@@ -6,6 +6,7 @@ mod rays;
 
 use std::time::{Duration, Instant};
 
+use pellucid_field::parallel;
 use pellucid_optics::Lighting;
 use pellucid_scene::{Control, Frame, ResolveError, Stage, Viewpoint};
 
@@ -201,7 +202,7 @@ impl Progressive {
         }
         draw(&mut self.renderer, &mut self.stage, rays, control, &mut self.small)?;
         let enlarging = Instant::now();
-        preview::enlarge(&self.small, &mut self.shown, view.width, view.height);
+        parallel(|| preview::enlarge(&self.small, &mut self.shown, view.width, view.height));
         self.pace.preview(&self.small.statistics, enlarging.elapsed().as_secs_f64());
         Ok(())
     }

@@ -101,6 +101,13 @@ struct MeasureFlags {
     quiet: bool,
 }
 
+impl BenchArgs {
+    /// Threads to work on.
+    pub fn threads(&self) -> u16 {
+        self.engine.threads()
+    }
+}
+
 pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     let measure = &args.measure;
     let report = Report { quiet: measure.quiet };
@@ -137,7 +144,7 @@ fn measure_one(args: &BenchArgs, input: &Input, plan: Plan, report: Report) -> R
     let (subject, mut meter) = Subject::open(input, &args.raw, &args.scene, plan.clone(), report, check)?;
     let (orbit, first) = subject.orbit(&mut meter, measure.orbit)?;
     if let Some(path) = &measure.picture {
-        interrupt::gracefully(|| save(path, &first, &subject))?;
+        save(path, &first, &subject)?;
     }
     let error = measure.reference().map(|reference| reference.compare(&subject, &first, plan)).transpose()?;
     let mut sweeps = Vec::new();
@@ -186,7 +193,7 @@ impl MeasureFlags {
 
     fn write(&self, told: &Value) -> Result<(), Failure> {
         match self.json_file() {
-            Some(path) => interrupt::gracefully(|| output::write(path, &format!("{told:#}\n"))),
+            Some(path) => output::write(path, &format!("{told:#}\n")),
             None if self.prints_tables() => Ok(()),
             None => print_json(told),
         }
