@@ -100,7 +100,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     warnings.extend_from_slice(args.scene.warnings());
     report.opening(&volumes, &choices, &warnings);
     if let Some(path) = &args.output.save_scene {
-        interrupt::gracefully(|| save_scene(path, &scene, &base))?;
+        interrupt::gracefully(|| save_scene(path, &scene.settled(&volumes)?, &base))?;
         report.say(format_args!("wrote {}", path.display()));
     }
     let Some(output) = &args.output.output else { return Ok(()) };
