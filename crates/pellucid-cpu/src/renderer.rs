@@ -176,8 +176,9 @@ fn render(
     };
     frame.warnings.clear();
     frame.warnings.extend(stage.fallbacks());
-    if tally.visible == 0 {
-        frame.warnings.push(RenderWarning::empty(rays_hit));
+    frame.backdrop = stage.backdrop();
+    if tally.visible == 0 || stage.is_too_faint(frame) {
+        frame.warnings.push(RenderWarning::empty(stage, rays_hit));
     }
     Ok(())
 }

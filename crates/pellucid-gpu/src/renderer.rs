@@ -342,8 +342,9 @@ impl GpuRenderer {
             ..frame.statistics
         };
         frame.warnings.extend(stage.fallbacks());
-        if frame.statistics.samples_visible == 0 {
-            frame.warnings.push(RenderWarning::empty(frame.statistics.rays_hit));
+        frame.backdrop = stage.backdrop();
+        if frame.statistics.samples_visible == 0 || stage.is_too_faint(frame) {
+            frame.warnings.push(RenderWarning::empty(stage, frame.statistics.rays_hit));
         }
         Ok(())
     }

@@ -69,7 +69,7 @@ mod tests {
             (parallel, [2.0, -7.0, 3.0], [0.3, 0.0, 0.0], true),
         ] {
             let view = View::LookAt(LookAt { position, target, up: [0.0, 0.0, 1.0] });
-            let view = Camera { projection, view }.viewpoint(61, 47, &corners);
+            let view = Camera { projection, view, ..Camera::default() }.viewpoint(61, 47, &corners);
             let window = Window::of(&view, &corners);
             assert_eq!(window.size != [61, 47], is_part, "{window:?}");
             for (column, row) in (0..47).flat_map(|row| (0..61).map(move |column| (column, row))) {

@@ -1,14 +1,16 @@
 //! Automatic choices: a look for data nobody has described.
 
-use glam::DVec3;
-use pellucid_field::{Blocks, Histogram, Volume};
+use std::cell::OnceCell;
+
+use pellucid_field::Volume;
 use pellucid_optics::{
-    ColorMap, DataRange, GradientWeight, Interpolation, Material, OpacityPoint, OpticsError, Preset, Scale, Table,
-    TransferFunction, Visibility, opacity_shape,
+    ColorMap, Environment, GradientWeight, Interpolation, Light, Lighting, Material, OpacityPoint, OpticsError, Preset, Scale, TransferFunction,
+    opacity_shape,
 };
 
-use crate::choice::Choice;
-use crate::{Camera, Mode, View, Viewpoint, VolumeEntry};
+use crate::choice::{Choice, number};
+use crate::population::{Backdrop, Population};
+use crate::{Camera, Mode, Projection, Technique, View, Viewpoint, VolumeEntry};
 
 /// Optics of a volume.
 pub struct Look {
@@ -17,49 +19,103 @@ pub struct Look {
     pub gradient_weight: Option<GradientWeight>,
 }
 
-/// The optics an entry asks for, completed by what suits its data; every choice is noted.
-pub fn look(entry: &VolumeEntry, volume: &Volume, mode: &Mode, choices: &mut Vec<Choice>) -> Result<Look, OpticsError> {
-    let mut preset = entry.preset.as_deref().map(Preset::by_name).transpose()?;
+/// What was filled in of an entry: a document with it draws the same without asking the data.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chosen {
+    pub preset: Option<String>,
+    pub colormap: Option<String>,
+    pub opacity: Option<String>,
+    pub window: Option<[f64; 2]>,
+}
+
+/// The optics an entry asks for, completed by what suits the data of a component; every choice is noted.
+pub fn look(
+    entry: &VolumeEntry,
+    volume: &Volume,
+    component: usize,
+    mode: &Mode,
+    choices: &mut Vec<Choice>,
+) -> Result<(Look, Chosen), OpticsError> {
+    // Only what is asked of the data is looked for in it.
+    let (population, backdrop) = (OnceCell::new(), OnceCell::new());
+    let population = || population.get_or_init(|| Population::of(volume, component));
+    let backdrop = || *backdrop.get_or_init(|| population().backdrop());
+    let mut entry = entry.clone();
     let shaped = entry.colormap.is_some() || entry.opacity.is_some();
-    if preset.is_none() && entry.transfer_function.is_none() && !shaped && !shows_values(mode) {
-        let (name, reason) = preset_for(volume);
-        choices.push(Choice { setting: "preset", chosen: format!("{name} ({reason})") });
-        preset = Some(Preset::by_name(name)?);
+    if entry.preset.is_none() && entry.transfer_function.is_none() && !shaped && !shows_values(mode) {
+        let (preset, reason) = preset_for(volume, population(), backdrop(), entry.window);
+        choices.push(Choice { setting: "preset", chosen: format!("{preset} ({reason})") });
+        entry.preset = Some(preset.to_owned());
+        if let (Backdrop::Above(common), None) = (backdrop(), entry.window)
+            && preset != "ct-bone"
+        {
+            let chosen = format!("viridis_r and linear_r, as the commonest value, {}, is a high one", number(common));
+            choices.push(Choice { setting: "colormap and opacity", chosen });
+            (entry.colormap, entry.opacity) = (Some("viridis_r".into()), Some("linear_r".into()));
+        }
     }
+    let shaped = entry.colormap.is_some() || entry.opacity.is_some();
+    let preset = entry.preset.as_deref().map(Preset::by_name).transpose()?;
     // A transfer function in full leaves only a relative preset's gradient weight to be spread.
     let needs_window = match (&entry.transfer_function, preset) {
         (own, Some(preset)) => preset.scale == Scale::Relative || (own.is_none() && shaped),
         (own, None) => own.is_none(),
     };
-    let window = match entry.window {
-        Some(window) => window,
-        None if needs_window => {
-            let (window, reason) = window_of(volume, entry.component);
-            let unit = volume.value_unit.as_deref().unwrap_or_default();
-            let chosen = format!("{:.5} to {:.5} {unit} ({reason})", window[0], window[1]);
-            choices.push(Choice { setting: "window", chosen: chosen.replace("  ", " ") });
-            window
-        }
-        // Nothing is spread over it.
-        None => [0.0, 1.0],
-    };
+    if needs_window && entry.window.is_none() {
+        let (window, reason) = window_of(population(), backdrop(), mode, entry.preset.as_deref());
+        let unit = volume.value_unit.as_deref().map_or(String::new(), |unit| format!(" {unit}"));
+        let chosen = format!("{} to {}{unit} ({reason})", number(window[0]), number(window[1]));
+        choices.push(Choice { setting: "window", chosen });
+        entry.window = Some(window);
+    }
+    let moved = entry.window.filter(|_| !needs_window && entry.transfer_function.is_none());
+    // Nothing is spread over a window that is not there.
+    let window = entry.window.unwrap_or([0.0, 1.0]);
     let tf = match &entry.transfer_function {
         Some(tf) => tf.clone(),
-        None => windowed(entry, mode, preset, window)?,
+        None => windowed(&entry, mode, preset, window)?,
     };
-    let weight = preset.map(|preset| preset.gradient_weight(window, volume.grid().mean_spacing())).transpose()?;
+    let (tf, stretch) = match moved {
+        // A preset in units of its own is moved to a window that is asked for.
+        Some(window) => {
+            let hull = tf.hull();
+            (tf.remap(hull, window)?, (window[1] - window[0]) / (hull[1] - hull[0]))
+        }
+        None => (tf, 1.0),
+    };
+    let weight = preset.map(|preset| preset.gradient_weight(window, volume.grid().mean_spacing())).transpose()?.flatten();
+    let stretched = |weight: GradientWeight| {
+        let [low, high] = [weight.low, weight.high].map(|slope| (f64::from(slope) * stretch) as f32);
+        GradientWeight { low, high }
+    };
     let by_default = matches!(mode, Mode::Isosurface(_)) || preset.map_or(entry.material.is_some(), |p| p.shading);
     let lit = entry.shading.unwrap_or(by_default);
     let material = entry.material.or(preset.map(|preset| preset.material)).unwrap_or_default();
-    Ok(Look {
-        transfer_function: with_unit_distance(tf, entry, volume, mode, choices)?,
+    if matches!(mode, Mode::Minimum) && entry.crop.is_none() {
+        choices.extend(background_of_minima(population(), backdrop()));
+    }
+    let look = Look {
+        transfer_function: with_unit_distance(tf, &entry, volume, mode, choices)?,
         material: lit.then_some(material),
-        gradient_weight: entry.gradient_weight.or(weight.flatten()),
-    })
+        gradient_weight: entry.gradient_weight.or(weight.map(stretched)),
+    };
+    let VolumeEntry { preset, colormap, opacity, window, .. } = entry;
+    Ok((look, Chosen { preset, colormap, opacity, window }))
+}
+
+/// Rays through the background have it as their smallest value, whatever lies behind.
+fn background_of_minima(population: &Population, backdrop: Backdrop) -> Option<Choice> {
+    let (Backdrop::Below(common), Some((_, share))) = (backdrop, population.commonest()) else { return None };
+    let chosen = format!(
+        "{} is both low and common: a minimum projection shows it on every ray that meets it. --crop or --clip to the \
+         inside shows what is lowest there",
+        number(common)
+    );
+    (share > 0.05).then_some(Choice { setting: "background", chosen })
 }
 
 /// Whether a mode shows values rather than a medium: it gets a gray ramp by default.
-fn shows_values(mode: &Mode) -> bool {
+pub fn shows_values(mode: &Mode) -> bool {
     matches!(mode, Mode::Maximum | Mode::Minimum | Mode::Average | Mode::Slice(_) | Mode::XRay)
 }
 
@@ -114,86 +170,63 @@ fn with_unit_distance(
         }
         _ => (grid.mean_spacing(), "the mean voxel spacing"),
     };
-    choices.push(Choice { setting: "unit distance", chosen: format!("opacities hold for {unit:.4} {length} ({why})") });
+    choices.push(Choice { setting: "unit distance", chosen: format!("opacities hold for {} {length} ({why})", number(unit)) });
     tf.with_unit_distance(Some(unit))
 }
 
-/// A preset for data by what is known of their values.
-fn preset_for(volume: &Volume) -> (&'static str, String) {
-    let range = volume.statistics();
+/// A preset for data by what is known of their values. A window that was asked for is spread over, which those in
+/// units of their own are not.
+fn preset_for(volume: &Volume, population: &Population, backdrop: Backdrop, window: Option<[f64; 2]>) -> (&'static str, String) {
     let hounsfield = volume.value_unit.as_deref() == Some("HU");
-    // Air at -1000 and something denser than water: nothing but CT numbers looks like that.
-    let like_ct =
-        volume.voxels().voxel_type().is_integer() && (-3100.0..=-900.0).contains(&range.min) && range.max > 200.0;
-    if hounsfield || like_ct {
+    if window.is_none() && (hounsfield || population.is_like_hounsfield()) {
         let why = if hounsfield { "values are in HU" } else { "values reach from air to bone in Hounsfield units" };
         return ("ct-bone", why.to_owned());
     }
     let voxel_type = volume.voxels().voxel_type();
-    let name = match voxel_type.is_integer() {
-        true => "micro-ct",
-        // Deviations to both sides of zero, or amounts of something.
-        false if range.min < 0.0 && range.max > 0.0 => "simulation",
-        false => "density",
+    let (Some(least), Some(most)) = (population.values().first(), population.values().last()) else {
+        return ("density", "no value is there to choose by".to_owned());
     };
-    (name, format!("{voxel_type} values from {:.5} to {:.5}", range.min, range.max))
-}
-
-/// The values that matter: from the background, the commonest value if it is a low one, to all but
-/// the brightest thousandth of what is above it.
-fn window_of(volume: &Volume, component: usize) -> ([f64; 2], &'static str) {
-    let range = volume.statistics();
-    let whole = [range.min, range.max];
-    // Levels of integer data are exact; bins would put the background beside its value.
-    let levels = Histogram::of_levels(volume, component);
-    let histogram = levels.or_else(|| Histogram::new(volume, component, 1024).ok()).filter(|_| range.max > range.min);
-    let found = histogram.and_then(|histogram| {
-        let middle = (range.min + range.max) / 2.0;
-        let low = histogram.mode().filter(|mode| *mode < middle).map_or(range.min, |mode| mode.max(range.min));
-        let high = histogram.percentile(0.999)?;
-        (high - low > 0.05 * (range.max - range.min)).then_some([low, high])
-    });
-    match found {
-        Some(window) => (window, "from the background to the 99.9th percentile of the histogram"),
-        None if range.max > range.min => (whole, "the range of the data"),
-        None => {
-            // Wide enough to differ in 32 bits.
-            let half = (range.min.abs() * 1e-3).max(0.5);
-            ([range.min - half, range.min + half], "around the only value there is")
+    let values = format!("{voxel_type} values from {} to {}", number(*least), number(*most));
+    match backdrop {
+        Backdrop::Between(neutral) if window.is_none_or(|[low, high]| low < neutral && neutral < high) => {
+            ("simulation", format!("{values}, to both sides of {}", number(neutral)))
         }
+        _ if voxel_type.is_integer() => ("micro-ct", values),
+        _ => ("density", values),
     }
 }
 
-/// Corners of what a camera should frame: of the part of the grid that can be seen at all, or of
-/// the whole grid where a mode shows every value.
-pub fn framed_corners(volume: &Volume, component: usize, tf: &TransferFunction, mode: &Mode) -> Vec<DVec3> {
-    let visible = match mode {
-        Mode::Isosurface(surfaces) => visible_indices(volume, component, |low, high| {
-            surfaces.isovalues.iter().any(|iso| f64::from(low) <= iso.value && iso.value <= f64::from(high))
-        }),
-        mode if shows_values(mode) => None,
-        _ => Table::for_data(tf, &DataRange::of(volume)).ok().and_then(|table| {
-            let visibility = Visibility::of_table(&table);
-            visible_indices(volume, component, |low, high| visibility.any_opacity(low, high))
-        }),
+/// The values that matter: all but the background, if there is one, and but for outliers.
+fn window_of(
+    population: &Population,
+    backdrop: Backdrop,
+    mode: &Mode,
+    preset: Option<&str>,
+) -> ([f64; 2], String) {
+    let Some([low, high]) = population.ends() else { return ([-0.5, 0.5], "there is no value to choose by".to_owned()) };
+    let reach = |from: f64, side: f64| population.reach(from, side).unwrap_or(0.0);
+    let ([low, high], why) = match backdrop {
+        Backdrop::Between(neutral) if preset == Some("simulation") => {
+            let most = reach(neutral, 1.0).max(reach(neutral, -1.0));
+            ([neutral - most, neutral + most], format!("as far to both sides of {} as values reach", number(neutral)))
+        }
+        Backdrop::Below(common) => ([common, common + reach(common, 1.0)], "from the background, the commonest value, to all but outliers".to_owned()),
+        Backdrop::Above(common) if !shows_values(mode) => ([common - reach(common, -1.0), common], "from all but outliers to the background, the commonest value".to_owned()),
+        _ => ([low, high], "all values but outliers".to_owned()),
     };
-    let bounds = visible.unwrap_or_else(|| volume.grid().index_bounds());
-    volume.grid().world_corners_of(bounds).to_vec()
-}
-
-/// The index box around all blocks whose range of values is visible; `None` if there is no such
-/// block.
-fn visible_indices(volume: &Volume, component: usize, seen: impl Fn(f32, f32) -> bool) -> Option<(DVec3, DVec3)> {
-    const CELLS: f64 = Blocks::CELLS as f64;
-    let blocks = Blocks::new(volume, component, Blocks::CELLS, 0).ok()?;
-    let [nx, ny, _] = blocks.dims();
-    let visible = blocks.ranges().iter().enumerate().filter(|(_, [low, high])| low <= high && seen(*low, *high));
-    let positions = visible.map(|(b, _)| DVec3::new((b % nx) as f64, (b / nx % ny) as f64, (b / (nx * ny)) as f64));
-    let (first, last) = positions.fold(None, |found: Option<(DVec3, DVec3)>, p| {
-        Some(found.map_or((p, p), |(low, high)| (low.min(p), high.max(p))))
-    })?;
-    let (low, high) = volume.grid().index_bounds();
-    Some(((first * CELLS).max(low), ((last + 1.0) * CELLS).min(high)))
+    // Wide enough to differ in 32 bits.
+    let least = (low.abs().max(high.abs()) * 1e-6).max(f64::from(f32::MIN_POSITIVE));
+    if high - low > least {
+        return ([low, high], why);
+    }
+    let ends = (population.values().first(), population.values().last());
+    if let (Some(low), Some(high)) = ends
+        && high - low > least
+    {
+        return ([*low, *high], "the range of the data".to_owned());
+    }
+    let half = (low.abs() * 1e-3).max(0.5);
+    ([low - half, low + half], "around the only value there is".to_owned())
 }
 
 /// What the camera was set to where the scene left it open.
@@ -202,12 +235,49 @@ pub fn camera_choice(camera: &Camera, view: &Viewpoint) -> Option<Choice> {
     if orbit.target.is_some() && orbit.distance.is_some() {
         return None;
     }
-    let DVec3 { x, y, z } = view.eye;
-    Some(Choice {
-        setting: "camera",
-        chosen: format!(
-            "azimuth {} and elevation {} degrees, eye at ({x:.4}, {y:.4}, {z:.4})",
-            orbit.azimuth, orbit.elevation
-        ),
-    })
+    let [x, y, z] = view.eye.to_array().map(number);
+    let chosen = format!(
+        "azimuth {} and elevation {} degrees, eye at ({x}, {y}, {z})",
+        number(orbit.azimuth),
+        number(orbit.elevation)
+    );
+    Some(Choice { setting: "camera", chosen })
+}
+
+/// The camera with what was chosen for it written down.
+pub fn settled_camera(camera: &Camera, view: &Viewpoint) -> Camera {
+    let mut camera = *camera;
+    let mut zoom = 1.0;
+    if let View::Orbit(orbit) = &mut camera.view {
+        orbit.target.get_or_insert(view.target.to_array());
+        orbit.distance.get_or_insert((view.eye - view.target).length());
+        zoom = orbit.zoom;
+    }
+    if let Projection::Orthographic { height } = &mut camera.projection {
+        height.get_or_insert(2.0 * view.half_height * zoom);
+    }
+    camera
+}
+
+/// The lights of a scene: those it lists, but for the default headlight where an environment is the light.
+pub fn lights<'l>(lighting: &'l Lighting, technique: &Technique) -> &'l [Light] {
+    if lit_by_environment(technique) && is_default(lighting) { &[] } else { &lighting.lights }
+}
+
+fn is_default(lighting: &Lighting) -> bool {
+    lighting.lights == Lighting::default().lights
+}
+
+fn lit_by_environment(technique: &Technique) -> bool {
+    matches!(technique, Technique::PathTrace(settings) if settings.environment != Environment::Dark)
+}
+
+/// What lights a technique that follows light, where the scene left it open.
+pub fn lights_choice(lighting: &Lighting, technique: &Technique) -> Option<Choice> {
+    let follows = matches!(technique, Technique::HalfAngle(_) | Technique::PathTrace(_));
+    let chosen = match lit_by_environment(technique) {
+        true => "the environment alone",
+        false => "a headlight, which casts no shadow that is seen; --look studio, sky, skin or cloud bring others",
+    };
+    (follows && is_default(lighting)).then(|| Choice { setting: "lights", chosen: chosen.to_owned() })
 }

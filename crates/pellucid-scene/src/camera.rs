@@ -7,13 +7,27 @@ use serde::{Deserialize, Serialize};
 use crate::check::{Checked, direction, finite, positive, require};
 
 /// Where the eye is and how it projects.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Camera {
     /// Perspective or orthographic.
     pub projection: Projection,
     /// Position and orientation.
     pub view: View,
+    /// What is framed where target, distance or height are left out. Default visible.
+    pub frame: Framing,
+}
+
+/// What a camera frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Framing {
+    /// What can be seen of the volumes, as tightly as it shows from this side: whatever the transfer function,
+    /// the isovalues, clips and crops leave.
+    #[default]
+    Visible,
+    /// The whole grids, whatever is seen of them: pictures of a series, or of several isovalues, compare.
+    Grid,
 }
 
 /// How the image plane relates to the eye.
@@ -64,7 +78,7 @@ impl Default for View {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Orbit {
-    /// Degrees around the up axis. Default 30.
+    /// Degrees around the world's +z. Default 30.
     pub azimuth: f64,
     /// Degrees above the horizon, -90 to 90. Default 20.
     pub elevation: f64,
@@ -72,10 +86,10 @@ pub struct Orbit {
     pub roll: f64,
     /// Distance of the eye from the target in world units; left out, the volumes are framed.
     pub distance: Option<f64>,
-    /// Magnification on top of framing, greater than 0: the eye of a perspective camera comes closer.
-    /// Without effect where distance or height is set. Default 1.
+    /// Magnification of the picture, greater than 0, as by a lens: the angle of view or the height of the picture
+    /// becomes narrower, and the eye stays where it is. `distance` moves it. Default 1.
     pub zoom: f64,
-    /// World position looked at; left out, the middle of the volumes.
+    /// World position looked at; left out, the middle of what is framed.
     pub target: Option<[f64; 3]>,
 }
 
@@ -121,60 +135,97 @@ impl Camera {
     }
 
     /// The explicit camera for a picture of `width` x `height` pixels. Where target, distance or
-    /// height are left automatic, it looks at the middle of `corners` and frames them all.
+    /// height are left automatic, it frames all of `corners`, see [`Camera::framing`].
     pub fn viewpoint(&self, width: usize, height: usize, corners: &[DVec3]) -> Viewpoint {
-        let first = corners.first().copied().unwrap_or(DVec3::ZERO);
-        let (low, high) = corners.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
+        let farthest = |d: DVec3| corners.iter().map(|p| p.dot(d)).fold(f64::NEG_INFINITY, f64::max);
+        self.framing(width, height, &|d| if corners.is_empty() { 0.0 } else { farthest(d) })
+    }
+
+    /// The explicit camera for a picture of `width` x `height` pixels. Where target, distance or
+    /// height are left automatic, it frames a set of points given by its support function, the
+    /// largest `p . d` over the points p for a direction d: all of it is in the picture, its
+    /// silhouette reaches both sides of the narrower axis up to a small margin, and is centred.
+    ///
+    /// A point is in the picture of a perspective eye e exactly if `|(p - e) . a| <= s (e - p) . b`, a an
+    /// axis of the picture, b the direction back and s the slope of the picture's side: four half-spaces
+    /// whose offsets are values of the support function at `b s + a` and `b s - a`.
+    pub fn framing(&self, width: usize, height: usize, support: &dyn Fn(DVec3) -> f64) -> Viewpoint {
         let (target, back, up_hint, zoom, distance) = match self.view {
             View::LookAt(look) => {
                 let (eye, target) = (DVec3::from_array(look.position), DVec3::from_array(look.target));
-                (target, eye - target, DVec3::from_array(look.up), 1.0, Some((eye - target).length()))
+                (Some(target), eye - target, DVec3::from_array(look.up), 1.0, Some((eye - target).length()))
             }
             View::Orbit(orbit) => {
-                let target = orbit.target.map_or((low + high) / 2.0, DVec3::from_array);
                 let (back, up) = orbit.frame();
-                (target, back, up, orbit.zoom, orbit.distance)
+                (orbit.target.map(DVec3::from_array), back, up, orbit.zoom, orbit.distance)
             }
         };
         let back = back.try_normalize().unwrap_or(DVec3::NEG_Y);
         let right = right_of(back, up_hint);
         let up = back.cross(right);
         let aspect = width as f64 / height as f64;
-        // Offsets of the corners from the target, as (across, upward, towards the eye); across is
-        // scaled so that both picture axes reach as far.
-        let offsets = || {
-            corners.iter().map(|&p| {
-                let p = p - target;
-                ((p.dot(right).abs() / aspect).max(p.dot(up).abs()), p.dot(back))
-            })
+        let tangent = match self.projection {
+            Projection::Perspective { vertical_fov } => Some((vertical_fov.to_radians() / 2.0).tan()),
+            Projection::Orthographic { .. } => None,
         };
-        let eye = |distance: f64| target + back * distance;
-        let common = |eye, half_height, perspective| Viewpoint {
-            eye,
+        // Along an axis of the picture: the middle of what is framed, and how far it reaches from there at the
+        // eye's depth 0.
+        let along = |axis: DVec3, slope: f64| {
+            let [ahead, behind] = [axis, -axis].map(|axis| axis + back * slope);
+            match target {
+                None => ((support(ahead) - support(behind)) / 2.0, (support(ahead) + support(behind)) / 2.0),
+                Some(t) => {
+                    let reach = (support(ahead) - t.dot(ahead)).max(support(behind) - t.dot(behind));
+                    (t.dot(axis), reach + slope * t.dot(back))
+                }
+            }
+        };
+        let framed = || {
+            let (nearest, farthest) = (support(back), -support(-back));
+            let depth = target.map_or((nearest + farthest) / 2.0, |target| target.dot(back));
+            let slope = tangent.unwrap_or(0.0) / MARGIN;
+            let [(x, across), (y, upward)] = [along(right, slope * aspect), along(up, slope)];
+            let target = target.unwrap_or(right * x + up * y + back * depth);
+            let reach = (across / aspect).max(upward);
+            // Parallel rays begin in front of everything, and an eye does not touch what it looks at.
+            let eye = match tangent {
+                Some(_) => (reach / slope).max(nearest + 1e-3 * (nearest - farthest)),
+                None => nearest + reach,
+            };
+            Framed { target, distance: (eye - depth).max(0.0), reach: reach * MARGIN }
+        };
+        let free = target.is_none() || distance.is_none();
+        let free = free || matches!(self.projection, Projection::Orthographic { height: None });
+        // What is given in full asks nothing of the data.
+        let framed = if free { framed() } else { Framed { target: DVec3::ZERO, distance: 0.0, reach: 0.0 } };
+        let half_height = match (tangent, self.projection) {
+            (Some(tangent), _) => tangent,
+            (None, Projection::Orthographic { height: Some(height) }) => height / 2.0,
+            (None, _) => framed.reach,
+        };
+        let target = target.unwrap_or(framed.target);
+        Viewpoint {
+            eye: target + back * distance.unwrap_or(framed.distance),
             target,
             right,
             up,
             forward: -back,
-            half_height,
-            perspective,
+            half_height: (half_height / zoom).max(f64::MIN_POSITIVE),
+            perspective: tangent.is_some(),
             width,
             height,
             shift: DVec2::ZERO,
-        };
-        match self.projection {
-            Projection::Perspective { vertical_fov } => {
-                let tangent = (vertical_fov.to_radians() / 2.0).tan();
-                let framed = || offsets().map(|(reach, near)| near + reach * MARGIN / tangent).fold(0.0, f64::max);
-                common(eye(distance.unwrap_or_else(|| framed() / zoom)), tangent, true)
-            }
-            Projection::Orthographic { height: picture } => {
-                let reach = offsets().map(|(reach, _)| reach).fold(0.0, f64::max);
-                let depth = offsets().map(|(_, near)| near).fold(0.0, f64::max);
-                let half_height = picture.map_or(reach * MARGIN / zoom, |h| h / 2.0);
-                common(eye(distance.unwrap_or(depth + reach)), half_height.max(f64::MIN_POSITIVE), false)
-            }
         }
     }
+}
+
+/// What frames a set of points.
+struct Framed {
+    target: DVec3,
+    /// Of the eye from the target.
+    distance: f64,
+    /// Half the height of a parallel picture.
+    reach: f64,
 }
 
 /// Unit direction of picture +x for unit `back`. Looking along `up` itself, +y is up instead, as it
@@ -296,9 +347,17 @@ impl Viewpoint {
         Self { width: (self.width * rows).div_ceil(height), height: rows, shift, ..*self }
     }
 
+    /// The view after a walk of `degrees` around the target on a turntable: about the world's +z, which is towards
+    /// the head of a patient whose file states the orientation, so that what is upright stays upright.
+    /// Positive degrees walk the eye to its own right, as a larger azimuth does.
+    pub fn turntable(&self, degrees: f64) -> Self {
+        self.turned(DVec3::Z, degrees)
+    }
+
     /// The view after a walk of `degrees` around the target: the eye and its directions are turned
     /// together about `axis`, by the right hand rule. No degrees, or an axis without a direction, leave
-    /// the view as it is, to the bit.
+    /// the view as it is, to the bit. (About `up`, which leans with the eye's elevation, what is upright wobbles:
+    /// [`Viewpoint::turntable`] is what shows a thing from all sides.)
     pub fn turned(&self, axis: DVec3, degrees: f64) -> Self {
         let Some(axis) = axis.try_normalize().filter(|_| degrees != 0.0) else { return *self };
         let turn = DQuat::from_axis_angle(axis, degrees.to_radians());

@@ -16,3 +16,8 @@ impl fmt::Display for Choice {
         write!(f, "{}: {}", self.setting, self.chosen)
     }
 }
+
+/// A number as it is told: with the 7 digits that single precision holds.
+pub(crate) fn number(v: f64) -> String {
+    format!("{v:.6e}").parse().map_or(v.to_string(), |v: f64| v.to_string())
+}

@@ -1,6 +1,7 @@
 //! Clipping: which part of space holds a field at all.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
+use pellucid_field::Grid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -90,6 +91,50 @@ impl Region {
     /// Whether a world point stays, boundary included.
     pub fn contains(&self, point: DVec3) -> bool {
         self.half_spaces.iter().all(|(normal, offset)| normal.dot(point) >= *offset)
+    }
+
+    /// The corners of what the region leaves of a grid's box, some of them more than once; none if it leaves
+    /// nothing with a volume.
+    pub fn corners_in(&self, grid: &Grid) -> Vec<DVec3> {
+        let (low, high) = grid.index_bounds();
+        let [low, high] = [low, high].map(|index| grid.world_from_index().transform_point3(index));
+        let center = grid.center();
+        let mut inside = self.clone();
+        for axis in 0..3 {
+            // A plane of constant index has the world gradient of that index as its normal.
+            let normal = grid.world_from_index_gradient().col(axis).normalize();
+            inside.keep(normal, low);
+            inside.keep(-normal, high);
+        }
+        // Counted from the middle, offsets are no larger than the box, and rounding is small beside it.
+        let planes: Vec<_> = inside.half_spaces.iter().map(|(n, offset)| (*n, offset - n.dot(center))).collect();
+        let room = 1e-9 * (high - low).length();
+        let mut corners = Vec::new();
+        for (i, (a, p)) in planes.iter().enumerate() {
+            for (j, (b, q)) in planes.iter().enumerate().skip(i + 1) {
+                for (c, r) in &planes[j + 1..] {
+                    let meeting = DMat3::from_cols(*a, *b, *c).transpose();
+                    if meeting.determinant().abs() < 1e-12 {
+                        continue;
+                    }
+                    let corner = meeting.inverse() * DVec3::new(*p, *q, *r);
+                    if planes.iter().all(|(normal, offset)| normal.dot(corner) >= offset - room) {
+                        corners.push(center + corner);
+                    }
+                }
+            }
+        }
+        corners
+    }
+
+    /// Whether a box in index space lies wholly outside, by one of the planes alone.
+    pub(crate) fn excludes(&self, grid: &Grid, bounds: (DVec3, DVec3)) -> bool {
+        if self.is_everything() {
+            return false;
+        }
+        let corners = grid.world_corners_of(bounds);
+        let outside = |(normal, offset): &(DVec3, f64)| corners.iter().all(|corner| normal.dot(*corner) < *offset);
+        self.half_spaces.iter().any(outside)
     }
 
     /// The part of `[t0, t1]` on which the ray is inside; `None` if there is none.

@@ -10,7 +10,7 @@ use crate::{Background, Encoding, Frame, ImageSettings};
 impl Frame {
     /// The pixel over its background, exposed: linear RGB, not associated, and alpha.
     pub fn composited(&self, pixel: usize, image: &ImageSettings) -> [f32; 4] {
-        Backdrop::new(image, pixel / self.width, self.height).behind(self.color[pixel])
+        self.backdrop(image, pixel / self.width).of(self, pixel).behind(self.color[pixel])
     }
 
     /// The picture as 8-bit RGBA, encoded as the settings say.
@@ -46,10 +46,16 @@ impl Frame {
         let width = self.width.max(1);
         let mut values = vec![[T::default(); 4]; self.color.len()];
         let encode = |(y, (values, colors)): (usize, (&mut [[T; 4]], &[[f32; 4]]))| {
-            let backdrop = Backdrop::new(image, y, self.height);
-            for (value, color) in values.iter_mut().zip(colors) {
-                let [r, g, b, a] = backdrop.behind(*color);
-                *value = [light(r), light(g), light(b), alpha(a)];
+            let backdrop = self.backdrop(image, y);
+            let code = |[r, g, b, a]: [f32; 4]| [light(r), light(g), light(b), alpha(a)];
+            if backdrop.varies {
+                for (x, (value, color)) in values.iter_mut().zip(colors).enumerate() {
+                    *value = code(backdrop.of(self, y * width + x).behind(*color));
+                }
+            } else {
+                for (value, color) in values.iter_mut().zip(colors) {
+                    *value = code(backdrop.behind(*color));
+                }
             }
         };
         parallel(|| {
@@ -57,6 +63,15 @@ impl Frame {
             rows.with_min_len(LEAST.div_ceil(width)).for_each(encode);
         });
         values.into_flattened()
+    }
+
+    fn backdrop(&self, image: &ImageSettings, row: usize) -> Backdrop {
+        Backdrop {
+            color: image.background.at(row, self.height),
+            exposure: image.exposure,
+            straight: image.background == Background::Transparent,
+            varies: image.background == Background::Environment && self.backdrop.len() == self.color.len(),
+        }
     }
 }
 
@@ -67,12 +82,16 @@ struct Backdrop {
     /// Whether colours are divided by their alpha: only a transparent background leaves it below 1,
     /// and files hold colours not associated.
     straight: bool,
+    /// Whether every pixel has a colour of its own behind it.
+    varies: bool,
 }
 
 impl Backdrop {
-    fn new(image: &ImageSettings, row: usize, rows: usize) -> Self {
-        let straight = image.background == Background::Transparent;
-        Self { color: image.background.at(row, rows), exposure: image.exposure, straight }
+    /// What lies behind a pixel.
+    fn of(&self, frame: &Frame, pixel: usize) -> Self {
+        let [r, g, b] = frame.backdrop.get(pixel).copied().unwrap_or_default();
+        let color = if self.varies { [r, g, b, 1.0] } else { self.color };
+        Self { color, ..*self }
     }
 
     /// The pixel over it, exposed.

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::Stage;
+
 /// A drawn picture and what was measured on the way; rows from the top, `width * height` each.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
@@ -19,6 +21,8 @@ pub struct Frame {
     pub normal: Vec<[f32; 3]>,
     /// Field samples taken for the pixel, gradient taps not counted.
     pub samples: Vec<u32>,
+    /// Linear RGB radiance behind every pixel where the background is the environment, else nothing.
+    pub backdrop: Vec<[f32; 3]>,
     /// Standard error of the pixel's luminance where it is a mean of random samples, else zero.
     pub noise: Vec<f32>,
     /// Totals.
@@ -72,14 +76,9 @@ pub enum RenderWarning {
 }
 
 impl RenderWarning {
-    /// The picture is empty although this many rays met the volume.
-    pub fn empty(rays_hit: u64) -> Self {
-        let reason = if rays_hit == 0 {
-            "no ray meets the volume; look at the camera and the clips"
-        } else {
-            "the rays meet the volume but no sample has opacity; look at the transfer function and the window"
-        };
-        Self::Empty { reason: reason.to_owned() }
+    /// The picture of a stage is empty although this many rays met the volume.
+    pub fn empty(stage: &Stage, rays_hit: u64) -> Self {
+        Self::Empty { reason: stage.why_empty(rays_hit) }
     }
 }
 
@@ -116,6 +115,7 @@ impl Frame {
         fill(&mut self.normal, n, [0.0; 3]);
         fill(&mut self.samples, n, 0);
         fill(&mut self.noise, n, 0.0);
+        self.backdrop.clear();
         self.statistics = FrameStatistics::default();
         self.warnings.clear();
     }

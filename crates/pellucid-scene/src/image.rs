@@ -40,6 +40,9 @@ impl Default for ImageSettings {
 pub enum Background {
     /// Nothing: the picture keeps its alpha.
     Transparent,
+    /// The environment of the path tracer, where the eye looks past the volume and through it. Black with other
+    /// techniques, and where there is no environment.
+    Environment,
     /// One colour.
     Color(Color),
     /// A vertical gradient, interpolated in linear light.
@@ -64,6 +67,8 @@ impl Background {
         let opaque = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
         match self {
             Self::Transparent => [0.0; 4],
+            // Its colours are the frame's, pixel by pixel.
+            Self::Environment => opaque([0.0; 3]),
             Self::Color(color) => opaque(color.to_linear(ColorSpace::Srgb)),
             Self::Gradient { top, bottom } => {
                 let t = (y as f32 + 0.5) / height as f32;

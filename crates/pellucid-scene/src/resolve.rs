@@ -1,16 +1,19 @@
 //! From a document and loaded volumes to a stage: everything automatic is chosen, and said.
 
+use std::cell::LazyCell;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use pellucid_field::{FieldError, Grid, Volume};
 use pellucid_optics::{
-    GradientWeight, Light, LightModel, Lighting, Material, OpticsError, Perturbation, ResolvedLight, Scattering,
-    Shadows, TransferFunction,
+    GradientWeight, Light, LightModel, Lighting, Material, OpticsError, Perturbation, Preset, ResolvedLight, Scale,
+    Scattering, Shadows, TransferFunction,
 };
 
-use crate::auto;
+use crate::auto::{self, Chosen};
+use crate::brightness::brightness;
 use crate::choice::Choice;
+use crate::framing::Framed;
 use crate::{Crop, ImageSettings, Invalid, Mode, Quality, Region, Scene, Technique, Viewpoint, VolumeEntry};
 
 /// A volume with its optics, nothing left to choose.
@@ -32,6 +35,8 @@ pub struct StageVolume {
     pub perturbation: Perturbation,
     /// Where in the world this volume is not clipped or cropped away.
     pub region: Region,
+    /// The crop that is a part of the region.
+    pub crop: Option<Crop>,
 }
 
 impl StageVolume {
@@ -110,25 +115,52 @@ impl Scene {
     /// # Errors
     /// [`ResolveError`].
     pub fn resolve(&self, volumes: &[Arc<Volume>]) -> Result<(Stage, Vec<Choice>), ResolveError> {
+        let (stage, choices, _) = self.fill_in(volumes)?;
+        Ok((stage, choices))
+    }
+
+    /// The scene with what is chosen for the loaded volumes written down: preset, window, unit distance, component,
+    /// lights and camera. It draws the same picture, whatever becomes of the data and of automatic choices;
+    /// what has no effect beside a transfer function in full is left out.
+    ///
+    /// # Errors
+    /// [`ResolveError`].
+    pub fn settled(&self, volumes: &[Arc<Volume>]) -> Result<Self, ResolveError> {
+        Ok(self.fill_in(volumes)?.2)
+    }
+
+    fn fill_in(&self, volumes: &[Arc<Volume>]) -> Result<(Stage, Vec<Choice>, Self), ResolveError> {
         self.validate()?;
         if volumes.is_empty() || volumes.len() != self.volumes.len() {
             return Err(ResolveError::Volumes { listed: self.volumes.len(), loaded: volumes.len() });
         }
         let mut choices = Vec::new();
         let mut staged = Vec::new();
-        for (k, (entry, volume)) in self.volumes.iter().zip(volumes).enumerate() {
-            staged.push(self.stage_volume(k, entry, volume, &mut choices)?);
+        let mut settled = self.clone();
+        for (k, volume) in volumes.iter().enumerate() {
+            let (volume, chosen) = self.stage_volume(k, volume, &mut choices)?;
+            settle(&mut settled.volumes[k], &volume, chosen);
+            staged.push(volume);
         }
-        let corners: Vec<DVec3> = staged
-            .iter()
-            .flat_map(|v| auto::framed_corners(&v.volume, v.component, &v.transfer_function, self.technique.mode()))
-            .collect();
         let ImageSettings { width, height, .. } = self.image;
-        let viewpoint = self.camera.viewpoint(width as usize, height as usize, &corners);
+        let framed = {
+            // A camera that is given in full asks nothing of the data.
+            let framed = LazyCell::new(|| {
+                let framed = |volume| Framed::new(volume, self.technique.mode(), self.camera.frame);
+                staged.iter().map(framed).collect::<Vec<_>>()
+            });
+            let support = |d: DVec3| framed.iter().map(|framed| framed.support(d)).fold(f64::NEG_INFINITY, f64::max);
+            self.camera.framing(width as usize, height as usize, &support)
+        };
+        settled.camera = auto::settled_camera(&self.camera, &framed);
+        // What is written down is what is drawn, to the bit.
+        let viewpoint = settled.camera.viewpoint(width as usize, height as usize, &[]);
         choices.extend(auto::camera_choice(&self.camera, &viewpoint));
+        choices.extend(auto::lights_choice(&self.lighting, &self.technique));
+        settled.lighting.lights = auto::lights(&self.lighting, &self.technique).to_vec();
         let smallest = staged.iter().map(|v| v.volume.grid().smallest_spacing()).fold(f64::INFINITY, f64::min);
         let stage = Stage {
-            lights: world_lights(&self.lighting, &viewpoint)?,
+            lights: world_lights(&self.lighting, &self.technique, &viewpoint)?,
             ambient: self.lighting.ambient,
             shadows: self.lighting.shadows,
             light_model: self.lighting.model,
@@ -139,23 +171,20 @@ impl Scene {
             image: self.image.clone(),
             step: self.quality.step * smallest,
         };
-        Ok((stage, choices))
+        Ok((stage, choices, settled))
     }
 
     fn stage_volume(
         &self,
         k: usize,
-        entry: &VolumeEntry,
-        volume: &Arc<Volume>,
+        loaded: &Arc<Volume>,
         choices: &mut Vec<Choice>,
-    ) -> Result<StageVolume, ResolveError> {
-        let components = volume.components();
-        if entry.component >= components {
-            return Err(ResolveError::Component { volume: k, found: entry.component, components });
-        }
+    ) -> Result<(StageVolume, Chosen), ResolveError> {
+        let entry = &self.volumes[k];
+        let (volume, component) = component_of(k, entry, loaded, choices)?;
         let volume = match entry.spacing {
-            None => volume.clone(),
-            Some(spacing) => Arc::new((**volume).clone().with_grid(respaced(volume.grid(), spacing)?)?),
+            None => volume,
+            Some(spacing) => Arc::new((*volume).clone().with_grid(respaced(volume.grid(), spacing)?)?),
         };
         let mut region = Region::from_clips(&self.clips);
         if let Some(crop) = &entry.crop {
@@ -166,18 +195,20 @@ impl Scene {
             return Err(ResolveError::Optics { path: format!("volumes[{k}].scattering.phase"), error });
         }
         let path = format!("volumes[{k}]");
-        let look = auto::look(entry, &volume, self.technique.mode(), choices)
+        let (look, chosen) = auto::look(entry, &volume, component, self.technique.mode(), choices)
             .map_err(|error| ResolveError::Optics { path, error })?;
-        Ok(StageVolume {
-            component: entry.component,
+        let staged = StageVolume {
+            component,
             transfer_function: look.transfer_function,
             material: look.material,
             gradient_weight: look.gradient_weight,
             scattering: entry.scattering.clone(),
             perturbation: entry.perturbation.clone(),
             region,
+            crop: entry.crop,
             volume,
-        })
+        };
+        Ok((staged, chosen))
     }
 
     fn ordered_technique(&self) -> Technique {
@@ -196,20 +227,72 @@ impl Stage {
     /// # Errors
     /// [`ResolveError::Optics`] for a light that cannot be.
     pub fn look_from(&mut self, viewpoint: Viewpoint, lighting: &Lighting) -> Result<(), ResolveError> {
-        self.lights = world_lights(lighting, &viewpoint)?;
+        self.lights = world_lights(lighting, &self.technique, &viewpoint)?;
         self.viewpoint = viewpoint;
         Ok(())
     }
 }
 
-fn world_lights(lighting: &Lighting, view: &Viewpoint) -> Result<Vec<ResolvedLight>, ResolveError> {
+/// Writes down what was chosen for an entry.
+fn settle(entry: &mut VolumeEntry, staged: &StageVolume, chosen: Chosen) {
+    (entry.preset, entry.window) = (chosen.preset, chosen.window);
+    (entry.colormap, entry.opacity) = (chosen.colormap, chosen.opacity);
+    if staged.volume.components() > 1 {
+        entry.component = Some(staged.component);
+    }
+    if let Some(tf) = &entry.transfer_function {
+        let preset = entry.preset.as_deref().and_then(|name| Preset::by_name(name).ok());
+        (entry.colormap, entry.opacity) = (None, None);
+        // A relative preset spreads its gradient weight over the window.
+        entry.window = entry.window.filter(|_| preset.is_some_and(|preset| preset.scale == Scale::Relative));
+        if tf.unit_distance().is_none() {
+            entry.unit_distance.get_or_insert(staged.unit_distance());
+        }
+        return;
+    }
+    let own = entry.preset.as_deref().and_then(|name| Preset::by_name(name).ok()?.transfer_function.unit_distance());
+    if own.is_none() {
+        entry.unit_distance.get_or_insert(staged.unit_distance());
+    }
+}
+
+/// The volume and the component of it that are drawn for an entry.
+fn component_of(
+    k: usize,
+    entry: &VolumeEntry,
+    volume: &Arc<Volume>,
+    choices: &mut Vec<Choice>,
+) -> Result<(Arc<Volume>, usize), ResolveError> {
+    let components = volume.components();
+    match entry.component {
+        Some(found) if found >= components => Err(ResolveError::Component { volume: k, found, components }),
+        Some(component) => Ok((volume.clone(), component)),
+        None if components == 1 => Ok((volume.clone(), 0)),
+        None => {
+            let bright = brightness(volume)?;
+            let what = match bright {
+                Some(_) => "their brightness is drawn, in the colours of the transfer function",
+                None => "only number 0 is drawn",
+            };
+            let chosen = format!("{components} components, {what}; --component 0 to {} draws one of them", components - 1);
+            choices.push(Choice { setting: "component", chosen });
+            Ok((bright.map_or_else(|| volume.clone(), Arc::new), 0))
+        }
+    }
+}
+
+fn world_lights(
+    lighting: &Lighting,
+    technique: &Technique,
+    view: &Viewpoint,
+) -> Result<Vec<ResolvedLight>, ResolveError> {
     let world_from_camera =
         DAffine3 { matrix3: DMat3::from_cols(view.right, view.up, -view.forward), translation: view.eye };
     let resolve = |(k, light): (usize, &Light)| {
         let path = format!("lighting.lights[{k}]");
         light.resolve(world_from_camera).map_err(|error| ResolveError::Optics { path, error })
     };
-    lighting.lights.iter().enumerate().map(resolve).collect()
+    auto::lights(lighting, technique).iter().enumerate().map(resolve).collect()
 }
 
 /// A grid with the same axes and origin and another distance between samples.

@@ -24,7 +24,7 @@ pub struct Scene {
     pub volumes: Vec<VolumeEntry>,
     /// The camera; left out, it frames the volumes.
     pub camera: Camera,
-    /// The lights; left out, one headlight.
+    /// The lights; left out, one headlight, or none where an environment is the light.
     pub lighting: Lighting,
     /// Clip objects; what all of them keep is drawn.
     pub clips: Vec<Clip>,
@@ -62,9 +62,10 @@ impl Default for Scene {
 pub struct VolumeEntry {
     /// Where the voxels come from.
     pub source: Source,
-    /// Which component of the voxels is drawn, numbered from 0. Default 0.
+    /// Which component of the voxels is drawn, numbered from 0; left out, the first, or of 3 or 4 components of 8
+    /// or 16 bits, which are colours, the brightness.
     #[serde(default)]
-    pub component: usize,
+    pub component: Option<usize>,
     /// Distance between samples per axis, replacing the file's.
     #[serde(default)]
     pub spacing: Option<[f64; 3]>,
@@ -74,8 +75,8 @@ pub struct VolumeEntry {
     /// Name of a preset (`pellucid presets` lists them).
     #[serde(default)]
     pub preset: Option<String>,
-    /// Data values that colour maps, opacity shapes and relative presets are spread over (those in
-    /// Hounsfield units keep their own); left out, chosen from the histogram.
+    /// Data values that colour maps, opacity shapes and presets are spread over; left out, chosen from the
+    /// distribution of the values, but for presets in Hounsfield units, which keep their own.
     #[serde(default)]
     pub window: Option<[f64; 2]>,
     /// Name of a colour map, `_r` reverses it.
@@ -112,7 +113,7 @@ impl VolumeEntry {
     pub fn new(source: Source) -> Self {
         Self {
             source,
-            component: 0,
+            component: None,
             spacing: None,
             crop: None,
             preset: None,
@@ -131,7 +132,8 @@ impl VolumeEntry {
 
     fn check(&self, path: &str) -> Checked {
         self.source.check(&join(path, "source"))?;
-        require(self.component < 4, path, "component", self.component, "0 to 3")?;
+        let component = self.component.unwrap_or(0);
+        require(component < 4, path, "component", component, "0 to 3")?;
         for (axis, length) in self.spacing.iter().flatten().enumerate() {
             positive(path, &format!("spacing[{axis}]"), *length, "a length greater than 0")?;
         }

@@ -1,10 +1,12 @@
 //! What every backend asks of a stage before it draws.
 
 use glam::DVec3;
-use pellucid_optics::{Chroma, ShadowRays, ShadowVolume, Shadows};
+use pellucid_optics::{Chroma, ShadowRays, ShadowVolume, Shadows, Sky};
+use rayon::prelude::*;
 
 use crate::{
-    Classification, HalfAngle, Mode, PathTrace, Region, RenderWarning, Slice, Slicing, Stage, StageVolume, Technique,
+    Background, Classification, HalfAngle, Mode, PathTrace, Region, RenderWarning, Slice, Slicing, Stage, StageVolume,
+    Technique,
 };
 
 impl Stage {
@@ -120,7 +122,28 @@ impl Stage {
                 Some(_) => None,
             }
         });
-        lights.chain(volumes).filter(move |_| !by_paths).map(|reason| RenderWarning::Fallback { reason })
+        let unseen = self.image.background == Background::Environment && self.sky().is_none();
+        let unseen = unseen.then(|| format!("image.background is the environment, and {name} has none: it is black"));
+        let ignored = lights.chain(volumes).filter(move |_| !by_paths);
+        ignored.chain(unseen).map(|reason| RenderWarning::Fallback { reason })
+    }
+
+    /// The environment, if the technique has one that is not dark.
+    fn sky(&self) -> Option<Sky> {
+        self.path_trace()?.environment.resolve().ok().flatten()
+    }
+
+    /// The environment's radiance behind every pixel, linear RGB by rows, where the background is that; else nothing.
+    pub fn backdrop(&self) -> Vec<[f32; 3]> {
+        let view = &self.viewpoint;
+        let Some(sky) = self.sky().filter(|_| self.image.background == Background::Environment) else {
+            return Vec::new();
+        };
+        let radiance = |pixel: usize| {
+            let ray = view.ray((pixel % view.width) as f64 + 0.5, (pixel / view.width) as f64 + 0.5);
+            sky.radiance(ray.direction.as_vec3())
+        };
+        (0..view.width * view.height).into_par_iter().map(radiance).collect()
     }
 
     /// The clips of a volume and, for a thick slice, the planes of its slab.

@@ -4,14 +4,24 @@ use glam::DVec3;
 use pellucid_scene::{Camera, LookAt, Orbit, Projection, Ray, View, Viewpoint};
 use proptest::prelude::*;
 
-const CUBE: [DVec3; 2] = [DVec3::splat(-1.0), DVec3::splat(1.0)];
+/// The corners of a cube around the origin.
+const CUBE: [DVec3; 8] = [
+    DVec3::new(-1.0, -1.0, -1.0),
+    DVec3::new(1.0, -1.0, -1.0),
+    DVec3::new(-1.0, 1.0, -1.0),
+    DVec3::new(1.0, 1.0, -1.0),
+    DVec3::new(-1.0, -1.0, 1.0),
+    DVec3::new(1.0, -1.0, 1.0),
+    DVec3::new(-1.0, 1.0, 1.0),
+    DVec3::new(1.0, 1.0, 1.0),
+];
 
 fn orbit(azimuth: f64, elevation: f64, roll: f64) -> Orbit {
     Orbit { azimuth, elevation, roll, ..Orbit::default() }
 }
 
 fn camera(projection: Projection, view: View) -> Camera {
-    Camera { projection, view }
+    Camera { projection, view, ..Camera::default() }
 }
 
 fn perspective(vertical_fov: f64) -> Projection {
@@ -60,7 +70,7 @@ fn angles_mean_what_they_say() {
     assert!(close(right.eye.normalize(), DVec3::X) && close(right.right, DVec3::Y) && close(right.up, DVec3::Z));
     // A positive elevation raises it; at the poles up is still defined.
     let raised = looking(orbit(0.0, 45.0, 0.0));
-    assert!(close(raised.eye.normalize(), DVec3::new(0.0, -1.0, 1.0).normalize()));
+    assert!(close((raised.eye - raised.target).normalize(), DVec3::new(0.0, -1.0, 1.0).normalize()));
     let top = looking(orbit(0.0, 90.0, 0.0));
     assert!(close(top.forward, DVec3::NEG_Z) && close(top.up, DVec3::Y) && close(top.right, DVec3::X));
     let bottom = looking(orbit(0.0, -90.0, 0.0));
@@ -115,16 +125,37 @@ fn settings_replace_framing() {
     let target = [3.0, 4.0, 5.0];
     let set = looking(Orbit { distance: Some(2.0), target: Some(target), zoom: 5.0, ..Orbit::default() });
     assert!(((set.eye - DVec3::from_array(target)).length() - 2.0).abs() < 1e-12);
-    // Twice the zoom, half the distance or half the height.
-    let zoomed =
-        |projection, zoom| camera(projection, View::Orbit(Orbit { zoom, ..Orbit::default() })).viewpoint(9, 9, &CUBE);
-    assert!(close(zoomed(perspective(30.0), 2.0).eye * 2.0, zoomed(perspective(30.0), 1.0).eye));
-    let (near, far) = (zoomed(PARALLEL, 2.0).half_height, zoomed(PARALLEL, 1.0).half_height);
-    assert!((near * 2.0 - far).abs() < 1e-12);
+    // Twice the zoom, half the picture around the same middle, and the eye stays where it is: also where distance or
+    // height are set.
+    let height = Projection::Orthographic { height: Some(3.0) };
+    for (projection, distance) in [(perspective(30.0), None), (perspective(30.0), Some(7.0)), (PARALLEL, None), (height, None)] {
+        let zoomed = |zoom| camera(projection, View::Orbit(Orbit { zoom, distance, ..Orbit::default() })).viewpoint(9, 9, &CUBE);
+        let (near, far) = (zoomed(2.0), zoomed(1.0));
+        assert!((near.half_height * 2.0 - far.half_height).abs() < 1e-12);
+        assert_eq!((near.eye, near.target, near.forward), (far.eye, far.target, far.forward));
+        // A point half way to the side of the picture is at its side.
+        let aside = far.target + far.right * far.half_height * if far.perspective { (far.eye - far.target).length() } else { 1.0 } / 2.0;
+        assert!((project(&far, aside).0 - 0.5).abs() < 1e-9 && (project(&near, aside).0 - 1.0).abs() < 1e-9);
+    }
     // A camera inside the volume is as good as any.
     let inside = looking(Orbit { distance: Some(1e-3), ..Orbit::default() });
     assert_orthonormal(&inside);
-    assert!(inside.eye.length() < 1.1e-3 && inside.ray(0.0, 0.0).direction.is_finite());
+    assert!((inside.eye - inside.target).length() < 1.1e-3 && inside.ray(0.0, 0.0).direction.is_finite());
+}
+
+/// On a turntable what is upright stays upright, and the eye at its height; 30 degrees are 30 degrees of azimuth.
+#[test]
+fn a_turntable_turns_about_the_patients_axis() {
+    for elevation in [-60.0, 0.0, 20.0, 75.0] {
+        let at = |azimuth| looking(Orbit { target: Some([3.0, 4.0, 5.0]), distance: Some(9.0), ..orbit(azimuth, elevation, 0.0) });
+        for degrees in [30.0, -111.0, 180.0] {
+            let (turned, expected) = (at(10.0).turntable(degrees), at(10.0 + degrees));
+            for (a, b) in [(turned.eye, expected.eye), (turned.right, expected.right), (turned.up, expected.up)] {
+                assert!(close(a, b), "{turned:?} {expected:?}");
+            }
+            assert!((turned.eye.z - at(10.0).eye.z).abs() < 1e-12 && turned.right.z.abs() < 1e-12);
+        }
+    }
 }
 
 #[test]
@@ -200,7 +231,10 @@ proptest! {
             // All of it is in front of the eye.
             prop_assert!((*corner - view.eye).dot(view.forward) > 0.0);
         }
-        prop_assert!(reach > 0.95, "{reach}");
+        // Seen at an angle wider than its corner, a box is framed by an eye right before the corner.
+        let depths = corners.iter().map(|corner| (*corner - view.eye).dot(view.forward));
+        let (near, far) = depths.fold((f64::INFINITY, 0.0f64), |(a, b), d| (a.min(d), b.max(d)));
+        prop_assert!(reach > 0.95 || near < 2e-3 * (far - near), "{reach}");
     }
 }
 

@@ -71,6 +71,8 @@ fn colour_map_and_opacity_shape_win_over_the_preset_part_by_part() {
     let sigmoid = opacity_shape("sigmoid_5", WINDOW).unwrap();
     let preset = Preset::by_name("mr-default").unwrap().transfer_function(WINDOW).unwrap();
     let bone = Preset::by_name("ct-bone").unwrap().transfer_function(WINDOW).unwrap();
+    let moved = Preset::by_name("ct-bone").unwrap().transfer_function([0.0, 1.0]).unwrap();
+    let moved = moved.clone().remap(moved.hull(), WINDOW).unwrap();
     let gray = ColorMap::by_name("gray").unwrap().points(WINDOW).unwrap();
     let linear = opacity_shape("linear", WINDOW).unwrap();
     let cases = [
@@ -79,8 +81,8 @@ fn colour_map_and_opacity_shape_win_over_the_preset_part_by_part() {
         (Some("mr-default"), None, Some("sigmoid_5"), preset.colors(), &sigmoid),
         (Some("mr-default"), None, None, preset.colors(), preset.opacities()),
         (Some("ct-bone"), Some("viridis"), None, &viridis, bone.opacities()),
-        // Hounsfield units are not spread over a window.
-        (Some("ct-bone"), None, None, bone.colors(), bone.opacities()),
+        // Hounsfield units have values of their own, and are moved to a window that is asked for.
+        (Some("ct-bone"), None, None, moved.colors(), moved.opacities()),
         (None, Some("viridis"), None, &viridis, &linear),
         (None, None, Some("sigmoid_5"), &gray, &sigmoid),
         (None, Some("viridis"), Some("sigmoid_5"), &viridis, &sigmoid),
@@ -154,7 +156,7 @@ fn unit_distance() {
     // The mean of 1, 2 and 3, and said so.
     let (volume, choices) = optics(with(Some("micro-ct"), None));
     assert_eq!(volume.unit_distance(), 2.0);
-    assert!(chose(&choices, "unit distance").unwrap().contains("2.0000 world units (the mean voxel spacing)"));
+    assert!(chose(&choices, "unit distance").unwrap().contains("hold for 2 world units (the mean voxel spacing)"));
     // A preset in HU has its own; the entry's wins.
     let (volume, choices) = optics(with(Some("ct-bone"), None));
     assert_eq!((volume.unit_distance(), chose(&choices, "unit distance")), (1.0, None));
@@ -177,7 +179,7 @@ fn unit_distance() {
 #[test]
 fn misfits_are_refused_with_what_was_found_and_what_there_is() {
     let refused = |entry: VolumeEntry| scene(entry).resolve(&[ramp(1.0)]).unwrap_err().to_string();
-    let component = scene(VolumeEntry { component: 1, ..entry() }).resolve(&[ramp(1.0)]).unwrap_err();
+    let component = scene(VolumeEntry { component: Some(1), ..entry() }).resolve(&[ramp(1.0)]).unwrap_err();
     assert_eq!(component, ResolveError::Component { volume: 0, found: 1, components: 1 });
     assert!(component.to_string().contains("volumes[0].component is 1"));
     for (entry, key, known) in [

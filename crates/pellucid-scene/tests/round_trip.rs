@@ -245,7 +245,8 @@ fn camera() -> impl Strategy<Value = Camera> {
         // As the check measures it: squares of the smallest numbers vanish.
         position.iter().zip(target).map(|(p, t)| (t - p).powi(2)).sum::<f64>() > 0.0
     });
-    (projection, prop_oneof![orbit, look_at]).prop_map(|(projection, view)| Camera { projection, view })
+    let frame = select(vec![Framing::Visible, Framing::Grid]);
+    (projection, prop_oneof![orbit, look_at], frame).prop_map(|(projection, view, frame)| Camera { projection, view, frame })
 }
 
 fn lighting() -> impl Strategy<Value = Lighting> {

@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("| view | preview: 1 ray per | preview ms | of it rays ms | full ms | one more frame ms |");
     println!("|---:|---:|---:|---:|---:|---:|");
     for k in 0..VIEWS {
-        progressive.look_from(view.turned(view.up, f64::from(360 * k / VIEWS)), &scene.lighting)?;
+        progressive.look_from(view.turntable(f64::from(360 * k / VIEWS)), &scene.lighting)?;
         let mut line = [const { String::new() }; 5];
         loop {
             let started = Instant::now();

@@ -30,7 +30,9 @@ fn table() -> Vec<(&'static [&'static str], &'static str, Value)> {
         (&["--eye", "-9,0,0", "--target", "1,2,3"], "/camera/view/look_at/target", json!([1.0, 2.0, 3.0])),
         (&["--eye", "-9,0,0", "--target", "1,2,3", "--up", "0,-1,0"], "/camera/view/look_at/up", json!([0.0, -1.0, 0.0])),
         (&["--fov", "45"], "/camera/projection/perspective/vertical_fov", json!(45.0)),
-        (&["--orthographic"], "/camera/projection/orthographic/height", Value::Null),
+        (&["--frame", "grid"], "/camera/frame", json!("grid")),
+        (&["--look", "sky"], "/lighting/ambient", json!(0.6)),
+        (&["--background", "environment"], "/image/background", json!("environment")),
         (&["--orthographic=12"], "/camera/projection/orthographic/height", json!(12.0)),
         (&["--preset", "ct-bone"], "/volumes/0/preset", json!("ct-bone")),
         (&["--window", "-100,900"], "/volumes/0/window", json!([-100.0, 900.0])),
@@ -180,7 +182,7 @@ fn later_layers_win() {
     assert_eq!(step(&["--set", "quality.step="]), json!(0.5));
     assert_eq!(scene(&["--step", "3"])["quality"]["supersampling"], json!(2));
     assert_eq!(scene(&["--colormap", "gray"])["volumes"][0]["preset"], json!("ct-bone"));
-    assert_eq!(scene(&["--set", "volumes[0].preset="])["volumes"][0]["preset"], Value::Null);
+    assert_eq!(scene(&["--set", "volumes[0].preset="])["volumes"][0]["preset"], json!("density"));
 }
 
 #[test]
@@ -308,7 +310,6 @@ fn defaults_in_the_help_are_those_of_the_code() {
         ("--early-termination", "/quality/early_termination"),
         ("--adaptive", "/quality/adaptive_tolerance"),
         ("--supersampling", "/quality/supersampling"),
-        ("--component", "/volumes/0/component"),
     ] {
         let value = scene.pointer(pointer).unwrap_or_else(|| panic!("{pointer} is not in {scene}"));
         let said = default_of(flag);

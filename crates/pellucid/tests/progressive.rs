@@ -29,6 +29,7 @@ fn white_box(from: f64, opacity: f32, side: u32, edit: impl FnOnce(&mut Scene)) 
     scene.camera = Camera {
         projection: Projection::Orthographic { height: Some(f64::from(side)) },
         view: View::Orbit(Orbit { azimuth: 0.0, elevation: 0.0, ..Orbit::default() }),
+        ..Camera::default()
     };
     (scene.image.width, scene.image.height) = (side, side);
     scene.quality.early_termination = 1.0;

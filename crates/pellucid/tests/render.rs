@@ -184,6 +184,7 @@ fn slices_face_the_camera_in_the_radiological_convention() {
             elevation: -90.0,
             ..Default::default()
         }),
+        ..Default::default()
     };
     let view = camera.viewpoint(10, 10, &[]);
     assert!(

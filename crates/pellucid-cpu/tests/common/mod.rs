@@ -52,6 +52,7 @@ pub fn stage(volume: Volume, tf: TransferFunction, edit: impl FnOnce(&mut Scene)
     scene.camera = Camera {
         projection: Projection::Orthographic { height: None },
         view: View::Orbit(Orbit { azimuth: 0.0, elevation: 0.0, ..Orbit::default() }),
+        ..Camera::default()
     };
     scene.image.width = 16;
     scene.image.height = 16;

@@ -160,7 +160,7 @@ impl Case {
             set_mode(scene, self.leveled(mode, low, range));
             (scene.camera.projection, scene.camera.view) = (self.view.0, View::Orbit(self.view.1));
             scene.quality = Quality { classification, empty_space_skipping: skipping, ..self.quality.clone() };
-            scene.volumes[0].component = self.data.components - 1;
+            scene.volumes[0].component = Some(self.data.components - 1);
             self.illuminate(scene, &grid, radius, range);
             let plane = |[share, normal]: [[f64; 3]; 2]| Clip::Plane {
                 point: grid.world_from_index().transform_point3(inside(share)).to_array(),

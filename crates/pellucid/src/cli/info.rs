@@ -68,7 +68,7 @@ struct About<'v> {
 impl<'v> About<'v> {
     fn new(volume: &'v std::sync::Arc<Volume>, component: usize, warnings: &'v [Warning]) -> Result<Self, Failure> {
         let mut scene = Scene::of(Source::Memory);
-        scene.volumes.iter_mut().for_each(|entry| entry.component = component);
+        scene.volumes.iter_mut().for_each(|entry| entry.component = Some(component));
         let (_, mut choices) = scene.resolve(std::slice::from_ref(volume))?;
         choices.retain(|choice| choice.setting != "camera");
         let histogram = Histogram::of_levels(volume, component)
@@ -99,8 +99,12 @@ impl<'v> About<'v> {
         line("axes point", format!("{} (left, posterior, superior are +x, +y, +z)", orientation(grid)));
         let counts = volume.statistics();
         let all = if volume.components() > 1 { ", all components" } else { "" };
-        line("range", format!("{} to {}{data}{all}", short(counts.min), short(counts.max)));
-        line("mean", format!("{}{data}{all}", short(counts.mean)));
+        if counts.finite == 0 {
+            line("range", "none, as no value is finite".to_owned());
+        } else {
+            line("range", format!("{} to {}{data}{all}", short(counts.min), short(counts.max)));
+            line("mean", format!("{}{data}{all}", short(counts.mean)));
+        }
         if counts.nan + counts.infinite > 0 {
             line("absent", format!("{} NaN, {} infinite", counts.nan, counts.infinite));
         }
@@ -126,9 +130,9 @@ impl<'v> About<'v> {
             "origin": affine.translation.to_array(),
             "orientation": orientation(grid),
             "world_from_index": affine.to_cols_array_2d(),
-            "min": counts.min,
-            "max": counts.max,
-            "mean": counts.mean,
+            "min": (counts.finite > 0).then_some(counts.min),
+            "max": (counts.finite > 0).then_some(counts.max),
+            "mean": (counts.finite > 0).then_some(counts.mean),
             "nan": counts.nan,
             "infinite": counts.infinite,
             "choices": choices_json(&self.choices),

@@ -1,6 +1,7 @@
 //! `pellucid presets`.
 
 use pellucid::optics::{ColorMap, Preset, Scale, opacity_shape_names};
+use pellucid::scene::Look;
 use serde_json::{Value, json};
 
 use super::failure::Failure;
@@ -17,6 +18,9 @@ pub struct PresetsArgs {
     /// List the opacity shapes instead
     #[arg(long)]
     opacities: bool,
+    /// List the looks instead, ready-made light for any data: 'render --look NAME'
+    #[arg(long, conflicts_with_all = ["name", "colormaps", "opacities"])]
+    looks: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -28,6 +32,8 @@ pub fn run(args: &PresetsArgs) -> Result<(), Failure> {
         return show(preset, args.json);
     }
     let names: Vec<String> = match (args.colormaps, args.opacities) {
+        _ if args.looks && args.json => Look::ALL.map(|look| look.name().to_owned()).into(),
+        _ if args.looks => Look::ALL.map(|look| format!("{:<16}{}", look.name(), look.title())).into(),
         (true, _) => ColorMap::names().map(str::to_owned).collect(),
         (_, true) => opacity_shape_names().collect(),
         _ if args.json => Preset::all().iter().map(|preset| preset.name.clone()).collect(),

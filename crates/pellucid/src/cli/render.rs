@@ -108,7 +108,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     warnings.extend_from_slice(args.scene.warnings());
     report.opening(&volumes, &choices, &warnings);
     if let Some(path) = &args.output.save_scene {
-        save_scene(path, &scene, &base)?;
+        save_scene(path, &scene.settled(&volumes)?, &base)?;
         report.say(format_args!("wrote {}", path.display()));
     }
     let Some(output) = &args.output.output else { return Ok(()) };

@@ -54,7 +54,7 @@ use rays::Rays;
 ///         Err(error) => return Err(error.into()),
 ///     }
 /// }
-/// progressive.look_from(view.turned(view.up, 5.0), &scene.lighting)?;
+/// progressive.look_from(view.turntable(5.0), &scene.lighting)?;
 /// # let step = progressive.step(&control)?;
 /// # assert!(step.more);
 /// # Ok(())

@@ -95,6 +95,20 @@ pub fn enlarge(small: &Frame, large: &mut Frame, width: usize, height: usize) {
             noise[x] = small.noise[pixel];
         }
     });
+    large.backdrop.clear();
+    if !small.backdrop.is_empty() {
+        let pixels = (0..width * height).into_par_iter().map(|pixel| {
+            let (x, y) = (across.taps(pixel % row), down.taps(pixel / row));
+            let at = |row: usize, column: usize| {
+                let [r, g, b] = small.backdrop[row * small.width + column];
+                [r, g, b, 0.0]
+            };
+            let rows = y.ends.map(|row| mix(at(row, x.ends[0]), at(row, x.ends[1]), x.weight));
+            let [r, g, b, _] = mix(rows[0], rows[1], y.weight);
+            [r, g, b]
+        });
+        large.backdrop = pixels.collect();
+    }
 }
 
 /// Pixels of one axis of the large picture, seen from the small one; their middles coincide.

@@ -59,6 +59,7 @@ fn along(direction: [f64; 3], grids: &[&Grid]) -> Camera {
     Camera {
         projection: Projection::Orthographic { height: Some(2.0 * radius) },
         view: View::LookAt(LookAt { position, target, up: [0.0, 0.0, 1.0] }),
+        ..Camera::default()
     }
 }
 

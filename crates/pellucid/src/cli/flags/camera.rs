@@ -1,9 +1,11 @@
 //! Where the eye stands and how it projects.
 
-use pellucid::scene::{LookAt, Orbit, Projection, Scene, View};
+use pellucid::scene::{Framing, LookAt, Orbit, Projection, Scene, View};
 
 use crate::cli::failure::Failure;
 use crate::cli::values;
+
+const FRAMINGS: [(&str, Framing); 2] = [("visible", Framing::Visible), ("grid", Framing::Grid)];
 
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Camera")]
@@ -18,13 +20,18 @@ pub struct CameraFlags {
     /// Degrees the picture is turned clockwise [default: 0]
     #[arg(long, value_name = "DEGREES", value_parser = values::number, allow_hyphen_values = true)]
     roll: Option<f64>,
-    /// Magnification on top of framing the volume, greater than 0 [default: 1]
+    /// Magnification of the picture, greater than 0, as by a lens: the eye stays where it is. --distance
+    /// moves it, also into the volume [default: 1]
     #[arg(long, value_name = "FACTOR", value_parser = values::number, allow_hyphen_values = true)]
     zoom: Option<f64>,
+    /// What is framed where target, distance or height are left out: what is visible of the volume, or
+    /// the whole grid, so that pictures of a series or of several isovalues compare [default: visible]
+    #[arg(long, value_name = "WHAT", value_parser = values::word(&FRAMINGS))]
+    frame: Option<Framing>,
     /// Distance of the eye from the target in world units [default: the volume is framed]
     #[arg(long, value_name = "LENGTH", value_parser = values::number, allow_hyphen_values = true)]
     distance: Option<f64>,
-    /// World position in the middle of the picture [default: the middle of the volume]
+    /// World position in the middle of the picture [default: the middle of what is framed]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::numbers::<3>, allow_hyphen_values = true)]
     target: Option<[f64; 3]>,
     /// World position of the eye, instead of angles; needs --target
@@ -62,6 +69,7 @@ impl CameraFlags {
 
     pub fn apply(&self, scene: &mut Scene) -> Result<(), Failure> {
         let camera = &mut scene.camera;
+        camera.frame = self.frame.unwrap_or(camera.frame);
         if let Some(vertical_fov) = self.fov {
             camera.projection = Projection::Perspective { vertical_fov };
         }

@@ -19,7 +19,7 @@ pub struct ClippingFlags {
     /// Keep the voxels between two indices, first and last; the rest is absent
     #[arg(long, value_name = "I0,J0,K0,I1,J1,K1", value_parser = values::numbers::<6>, allow_hyphen_values = true)]
     crop: Option<[f64; 6]>,
-    /// Which component of the voxels is drawn, from 0 [default: 0]
+    /// Which component of the voxels is drawn, from 0 [default: the first, or the brightness of colours]
     #[arg(long, value_name = "K")]
     component: Option<usize>,
     /// Distance between samples per axis in world units [default: the file's]
@@ -45,8 +45,8 @@ impl ClippingFlags {
             let (from, to) = halves(six);
             first_volume(scene, "--crop")?.crop = Some(Crop { from, to });
         }
-        if let Some(component) = self.component {
-            first_volume(scene, "--component")?.component = component;
+        if self.component.is_some() {
+            first_volume(scene, "--component")?.component = self.component;
         }
         if self.spacing.is_some() {
             first_volume(scene, "--spacing")?.spacing = self.spacing;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use pellucid::optics::{Light, LightKind, Lighting, Material, TransferFunction, VolumeProperty};
-use pellucid::scene::Scene;
+use pellucid::scene::{Look, Scene};
 
 use super::first_volume;
 use crate::cli::failure::Failure;
@@ -12,7 +12,12 @@ use crate::cli::values;
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Look")]
 pub struct LookFlags {
-    /// A ready-made look; 'pellucid presets' lists them [default: by the data's unit and range]
+    /// Ready-made light for any data and technique: lights, environment, background, material and
+    /// scattering, all of which other flags change; 'pellucid presets --looks' tells what each is for
+    #[arg(long, value_name = "studio|sky|skin|cloud", value_parser = bundle)]
+    look: Option<Look>,
+    /// A ready-made transfer function with its material; 'pellucid presets' lists them [default: by the data's
+    /// unit and values]
     #[arg(long, value_name = "NAME")]
     preset: Option<String>,
     /// Data values that presets, colour maps and opacity shapes are spread over [default: from the
@@ -76,6 +81,13 @@ impl LookFlags {
     /// What was lost in reading a transfer function file.
     pub fn warnings(&self) -> &[String] {
         self.transfer_function.as_ref().map_or(&[], |file| &file.warnings)
+    }
+
+    /// Brings the light of a look, before flags that change parts of it.
+    pub fn apply_bundle(&self, scene: &mut Scene) {
+        if let Some(look) = self.look {
+            look.apply(scene);
+        }
     }
 
     pub fn apply(&self, scene: &mut Scene) -> Result<(), Failure> {
@@ -157,6 +169,10 @@ impl LookFlags {
             }
         }
     }
+}
+
+fn bundle(name: &str) -> Result<Look, String> {
+    Look::by_name(name).map_err(|error| error.to_string())
 }
 
 fn light(text: &str) -> Result<LightFlag, String> {

@@ -87,11 +87,14 @@ impl SceneFlags {
     /// The scene with the named flags applied.
     fn named(&self, base: &Scene) -> Result<Scene, Failure> {
         let mut scene = base.clone();
-        self.picture.apply(&mut scene);
         self.camera.apply(&mut scene)?;
-        self.look.apply(&mut scene)?;
-        let free = scene.camera == Camera::default() && !self.camera.is_given();
+        let Camera { projection, view, .. } = scene.camera;
+        let free = (Camera { projection, view, ..Camera::default() }) == Camera::default() && !self.camera.is_given();
         self.technique.apply(&mut scene, free)?;
+        // A look depends on the technique, and other flags change parts of it.
+        self.look.apply_bundle(&mut scene);
+        self.picture.apply(&mut scene);
+        self.look.apply(&mut scene)?;
         self.quality.apply(&mut scene);
         self.clipping.apply(&mut scene)?;
         Ok(scene)

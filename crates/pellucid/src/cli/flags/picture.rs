@@ -12,9 +12,9 @@ pub struct PictureFlags {
     /// Pixels per row and rows, 1 to 32768 each [default: 1024x1024]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<[u32; 2]>,
-    /// What lies behind the volume: one colour (#rrggbb, rrggbb, black, white), 'transparent', or
-    /// the colours of the top and the bottom row [default: black]
-    #[arg(long, value_name = "COLOR|transparent|TOP,BOTTOM", value_parser = background)]
+    /// What lies behind the volume: one colour (#rrggbb, rrggbb, black, white), 'transparent', the
+    /// 'environment' of the path tracer, or the colours of the top and the bottom row [default: black]
+    #[arg(long, value_name = "COLOR|transparent|environment|TOP,BOTTOM", value_parser = background)]
     background: Option<Background>,
     /// How light becomes numbers in a PNG: srgb for screens, linear for measuring [default: srgb]
     #[arg(long, value_name = "CURVE", value_parser = values::word(&ENCODINGS))]
@@ -41,6 +41,7 @@ impl PictureFlags {
 fn background(text: &str) -> Result<Background, String> {
     Ok(match text.split_once(',') {
         _ if text == "transparent" => Background::Transparent,
+        _ if text == "environment" => Background::Environment,
         None => Background::Color(values::color(text)?),
         Some((top, bottom)) => Background::Gradient { top: values::color(top)?, bottom: values::color(bottom)? },
     })

@@ -140,7 +140,7 @@ impl TechniqueFlags {
         if let Some(plane) = self.slice {
             *mode = Mode::Slice(Slice { normal: Some(plane.normal), ..slice_of(mode).cloned().unwrap_or_default() });
             if face {
-                scene.camera = plane.camera();
+                scene.camera = Camera { frame: scene.camera.frame, ..plane.camera() };
             }
         }
         let flags = [
@@ -189,6 +189,7 @@ impl Plane {
         Camera {
             projection: Projection::Orthographic { height: None },
             view: View::Orbit(Orbit { azimuth: self.azimuth, elevation: self.elevation, ..Orbit::default() }),
+            ..Camera::default()
         }
     }
 }

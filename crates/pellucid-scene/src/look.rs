@@ -1,0 +1,190 @@
+//! Ready-made light: what a photographer sets up, for any data and any technique.
+
+use pellucid_optics::{
+    Albedo, Anisotropy, Color, ColorPoint, Environment, Frame, Light, LightKind, LightModel, Lighting, Material,
+    NumberPoint, OpticsError, Phase, PhaseNormalization, Scattering, ShadowVolume, Shadows, SkyImage, SkySource,
+    SurfaceShare,
+};
+
+use crate::{Background, InScatter, Scene, Technique};
+
+/// A bundle of ordinary settings: lights, ambient light, shadows, the environment of paths, the background, and how
+/// the volumes answer light. What a transfer function or a preset decides, which values are seen and in
+/// which colours, stays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Look {
+    /// A key light from the upper left, a fill and a rim, with soft shadows before a gray wall.
+    Studio,
+    /// A day outdoors: a warm sun, blue light from the sky, and the sky behind the volume.
+    Sky,
+    /// Flesh, wax and leaves: a warm light from behind on one side comes through what is thin.
+    Skin,
+    /// Mist, smoke and clouds before a low sun, in an evening's sky.
+    Cloud,
+}
+
+impl Look {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Studio, Self::Sky, Self::Skin, Self::Cloud];
+
+    /// The name it is asked for by.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Studio => "studio",
+            Self::Sky => "sky",
+            Self::Skin => "skin",
+            Self::Cloud => "cloud",
+        }
+    }
+
+    /// What it is for, in a line.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Studio => "Key, fill and rim light with soft shadows: shape, for anything",
+            Self::Sky => "Sun and blue sky, which is seen behind: solid things outdoors",
+            Self::Skin => "Warm light from behind that comes through what is thin: flesh, wax, leaves",
+            Self::Cloud => "A low sun behind what scatters and has no surface: clouds, smoke, densities",
+        }
+    }
+
+    /// The look of a name.
+    ///
+    /// # Errors
+    /// [`OpticsError::Name`], with the names there are.
+    pub fn by_name(name: &str) -> Result<Self, OpticsError> {
+        let known = || Self::ALL.map(Self::name).join(", ");
+        Self::ALL.into_iter().find(|look| look.name() == name).ok_or_else(|| OpticsError::Name {
+            kind: "look",
+            found: name.to_owned(),
+            known: known(),
+        })
+    }
+
+    /// Makes the settings of a scene its own. Nothing else remembers it: a scene that is saved holds the settings.
+    pub fn apply(self, scene: &mut Scene) {
+        scene.lighting = self.lighting();
+        scene.image.background = self.background(&scene.technique);
+        match &mut scene.technique {
+            Technique::PathTrace(settings) => {
+                settings.environment = self.environment();
+                settings.surface_depth = if self == Self::Cloud { 0.0 } else { 3.0 };
+                // The sky and the ambient light are the same light.
+                if self == Self::Sky {
+                    scene.lighting.lights.clear();
+                }
+            }
+            Technique::HalfAngle(settings) => {
+                settings.ambient = self != Self::Cloud;
+                settings.blur_angle = if self == Self::Skin { 45.0 } else { 35.0 };
+                if self == Self::Cloud {
+                    settings.in_scatter = InScatter::DirectFromMatter;
+                    settings.initial_indirect = 0.3;
+                } else {
+                    settings.indirect = 0.55;
+                }
+            }
+            Technique::RayCast(_) | Technique::Slicing(_) => {}
+        }
+        let physical = matches!(scene.technique, Technique::PathTrace(_));
+        for entry in &mut scene.volumes {
+            entry.shading = Some(self != Self::Cloud);
+            entry.material = self.material();
+            // Functions of the data's values, the same for all of them.
+            entry.scattering = self.scattering(physical);
+        }
+    }
+
+    fn lighting(self) -> Lighting {
+        let shadows = Shadows::Volume(ShadowVolume { resolution: 1.0 });
+        let (lights, ambient) = match self {
+            Self::Studio => (
+                vec![
+                    light([0.55, -0.65, -0.7], 0xfff4e6, 1.05, Frame::Camera),
+                    Light { specular: false, ..light([-0.9, -0.1, -0.5], 0xdfe8ff, 0.3, Frame::Camera) },
+                    light([-0.35, -0.45, 0.85], 0xffffff, 0.55, Frame::Camera),
+                ],
+                0.25,
+            ),
+            // The place of the sun in the built-in day, and its light on what it shines on.
+            Self::Sky => (vec![light([-0.8, 0.4, -0.6], 0xfff0d8, 1.1, Frame::World)], 0.6),
+            Self::Skin => (
+                vec![
+                    light([-0.8, -0.25, 0.55], 0xffe6c8, 1.3, Frame::Camera),
+                    Light { specular: false, ..light([0.6, -0.5, -0.7], 0xe8eeff, 0.45, Frame::Camera) },
+                ],
+                0.2,
+            ),
+            Self::Cloud => (vec![light([-0.55, -0.6, 0.6], 0xfff0dc, 1.3, Frame::Camera)], 0.3),
+        };
+        let model = if self == Self::Cloud { LightModel::Scattering } else { LightModel::Surface };
+        Lighting { lights, ambient, shadows, model }
+    }
+
+    fn background(self, technique: &Technique) -> Background {
+        let gradient = |top, bottom| Background::Gradient { top: Color::hex(top), bottom: Color::hex(bottom) };
+        match self {
+            Self::Studio => gradient(0x565a61, 0x1c1e22),
+            Self::Sky if matches!(technique, Technique::PathTrace(_)) => Background::Environment,
+            Self::Sky => gradient(0x4c7fc0, 0xd6e2ec),
+            Self::Skin => gradient(0x2b2422, 0x0c0a0a),
+            Self::Cloud => gradient(0x2a5c9e, 0xa8c8e8),
+        }
+    }
+
+    fn environment(self) -> Environment {
+        let gradient = |top, bottom, intensity| Environment::Gradient {
+            top: Color::hex(top),
+            bottom: Color::hex(bottom),
+            intensity,
+        };
+        match self {
+            Self::Studio => gradient(0xb8bcc4, 0x303034, 0.5),
+            Self::Sky => {
+                Environment::Image(SkyImage { source: SkySource::Day, rotation: 0.0, intensity: 1.0, map: None })
+            }
+            Self::Skin => gradient(0x6a6470, 0x302420, 0.5),
+            Self::Cloud => gradient(0x6f9fd8, 0x60686c, 0.7),
+        }
+    }
+
+    fn material(self) -> Option<Material> {
+        let material = |diffuse, specular, shininess| Material {
+            ambient: 0.5,
+            diffuse,
+            specular,
+            shininess,
+            ..Material::default()
+        };
+        match self {
+            Self::Studio => Some(material(0.8, 0.25, 40.0)),
+            Self::Sky => Some(material(0.85, 0.12, 25.0)),
+            Self::Skin => Some(material(0.65, 0.3, 16.0)),
+            Self::Cloud => None,
+        }
+    }
+
+    /// `physical`: whether light is followed and conserved, or made for the eye.
+    fn scattering(self, physical: bool) -> Scattering {
+        let everywhere = |color| Some(vec![ColorPoint::new(0.0, Color::hex(color))]);
+        let surface = |share| SurfaceShare::Values(vec![NumberPoint::new(0.0, share)]);
+        let normalization = if physical { PhaseNormalization::Physical } else { PhaseNormalization::Renormalised };
+        let scattering = Scattering { phase_normalization: normalization, ..Scattering::default() };
+        match self {
+            Self::Studio | Self::Sky => {
+                Scattering { surface: surface(0.85), transport: everywhere(0xe8e4e0), ..scattering }
+            }
+            Self::Skin => Scattering { surface: surface(0.45), transport: everywhere(0xfbded2), ..scattering },
+            Self::Cloud => Scattering {
+                phase: Phase::HenyeyGreenstein { g: 0.6 },
+                anisotropy: if physical { Anisotropy::Uniform } else { Anisotropy::Cloud },
+                albedo: if physical { Albedo::Constant(0.99) } else { Albedo::Color },
+                transport: everywhere(0xebedf2),
+                ..scattering
+            },
+        }
+    }
+}
+
+fn light(direction: [f64; 3], color: u32, intensity: f32, frame: Frame) -> Light {
+    Light { color: Color::hex(color), intensity, frame, ..Light::new(LightKind::Directional { direction }) }
+}
