@@ -30,6 +30,7 @@ mod resample;
 mod sampler;
 mod volume;
 mod voxels;
+mod words;
 
 pub use blocks::Blocks;
 pub use crop::crop;
@@ -52,3 +53,4 @@ pub use resample::{resample, resample_dims};
 pub use sampler::{ComponentView, Linear, Nearest, Reconstruct, Sampler, Wide};
 pub use volume::{Statistics, ValueMap, Volume};
 pub use voxels::{Buffer, Voxel, VoxelType, Voxels};
+pub use words::{Short, nearest, printable};

@@ -1,11 +1,12 @@
 //! Automatic choices: a look for data nobody has described.
 
 use glam::DVec3;
-use pellucid_field::{Blocks, Histogram, Volume};
+use pellucid_field::{Blocks, Histogram, Short, Volume};
 use pellucid_optics::{
     ColorMap, DataRange, GradientWeight, Interpolation, Material, OpacityPoint, OpticsError, Preset, Scale, Table,
     TransferFunction, Visibility, opacity_shape,
 };
+use serde_json::json;
 
 use crate::choice::Choice;
 use crate::{Camera, Mode, View, Viewpoint, VolumeEntry};
@@ -23,7 +24,7 @@ pub fn look(entry: &VolumeEntry, volume: &Volume, mode: &Mode, choices: &mut Vec
     let shaped = entry.colormap.is_some() || entry.opacity.is_some();
     if preset.is_none() && entry.transfer_function.is_none() && !shaped && !shows_values(mode) {
         let (name, reason) = preset_for(volume);
-        choices.push(Choice { setting: "preset", chosen: format!("{name} ({reason})") });
+        choices.push(Choice::new("preset", name, format!("{name} ({reason})")));
         preset = Some(Preset::by_name(name)?);
     }
     // A transfer function in full leaves only a relative preset's gradient weight to be spread.
@@ -36,8 +37,8 @@ pub fn look(entry: &VolumeEntry, volume: &Volume, mode: &Mode, choices: &mut Vec
         None if needs_window => {
             let (window, reason) = window_of(volume, entry.component);
             let unit = volume.value_unit.as_deref().unwrap_or_default();
-            let chosen = format!("{:.5} to {:.5} {unit} ({reason})", window[0], window[1]);
-            choices.push(Choice { setting: "window", chosen: chosen.replace("  ", " ") });
+            let chosen = format!("{} to {} {unit} ({reason})", Short(window[0]), Short(window[1]));
+            choices.push(Choice::new("window", window.to_vec(), chosen.replace("  ", " ")));
             window
         }
         // Nothing is spread over it.
@@ -56,6 +57,16 @@ pub fn look(entry: &VolumeEntry, volume: &Volume, mode: &Mode, choices: &mut Vec
         material: lit.then_some(material),
         gradient_weight: entry.gradient_weight.or(weight.flatten()),
     })
+}
+
+/// Whether an entry's window decides anything of its look: it does not where all that could be spread over it has
+/// data values of its own.
+pub fn heeds_window(entry: &VolumeEntry, volume: &Volume, mode: &Mode) -> bool {
+    let with = |window| {
+        let entry = VolumeEntry { window: Some(window), ..entry.clone() };
+        look(&entry, volume, mode, &mut Vec::new()).ok().map(|look| (look.transfer_function, look.gradient_weight))
+    };
+    with([0.0, 1.0]) != with([0.0, 2.0])
 }
 
 /// Whether a mode shows values rather than a medium: it gets a gray ramp by default.
@@ -114,7 +125,7 @@ fn with_unit_distance(
         }
         _ => (grid.mean_spacing(), "the mean voxel spacing"),
     };
-    choices.push(Choice { setting: "unit distance", chosen: format!("opacities hold for {unit:.4} {length} ({why})") });
+    choices.push(Choice::new("unit distance", unit, format!("opacities hold for {} {length} ({why})", Short(unit))));
     tf.with_unit_distance(Some(unit))
 }
 
@@ -136,7 +147,7 @@ fn preset_for(volume: &Volume) -> (&'static str, String) {
         false if range.min < 0.0 && range.max > 0.0 => "simulation",
         false => "density",
     };
-    (name, format!("{voxel_type} values from {:.5} to {:.5}", range.min, range.max))
+    (name, format!("{voxel_type} values from {} to {}", Short(range.min), Short(range.max)))
 }
 
 /// The values that matter: from the background, the commonest value if it is a low one, to all but
@@ -203,11 +214,13 @@ pub fn camera_choice(camera: &Camera, view: &Viewpoint) -> Option<Choice> {
         return None;
     }
     let DVec3 { x, y, z } = view.eye;
-    Some(Choice {
-        setting: "camera",
-        chosen: format!(
-            "azimuth {} and elevation {} degrees, eye at ({x:.4}, {y:.4}, {z:.4})",
-            orbit.azimuth, orbit.elevation
-        ),
-    })
+    let [azimuth, elevation, x, y, z] = [orbit.azimuth, orbit.elevation, x, y, z].map(Short);
+    let chosen = format!("azimuth {azimuth} and elevation {elevation} degrees, eye at ({x}, {y}, {z})");
+    let value = json!({
+        "azimuth": orbit.azimuth,
+        "elevation": orbit.elevation,
+        "eye": view.eye.to_array(),
+        "target": view.target.to_array(),
+    });
+    Some(Choice::new("camera", value, chosen))
 }

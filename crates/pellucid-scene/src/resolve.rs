@@ -189,6 +189,13 @@ impl Scene {
     }
 }
 
+impl Scene {
+    /// Whether the window of a volume decides anything of its look; see [`VolumeEntry::window`].
+    pub fn heeds_window(&self, entry: &VolumeEntry, volume: &Volume) -> bool {
+        auto::heeds_window(entry, volume, self.technique.mode())
+    }
+}
+
 impl Stage {
     /// Moves the eye, and with it the lights of the scene's `lighting` that stand in its frame.
     /// Nothing else is chosen anew.

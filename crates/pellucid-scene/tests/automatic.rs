@@ -19,7 +19,7 @@ fn by_radius<T>(value: impl Fn(f64) -> T) -> Vec<T> {
 }
 
 fn resolve(volume: Volume, mode: Mode) -> (Stage, Vec<Choice>) {
-    let mut scene = Scene::of(Source::Memory);
+    let mut scene = Scene::of(Source::memory());
     scene.technique = Technique::RayCast(RayCast { mode });
     scene.resolve(&[Arc::new(volume)]).unwrap()
 }

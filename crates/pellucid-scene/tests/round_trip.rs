@@ -73,7 +73,7 @@ fn source() -> impl Strategy<Value = Source> {
     let dims = [1usize..=65_536, 1usize..=9, 1usize..=9];
     let voxel_type = select(VoxelType::ALL.to_vec());
     prop_oneof![
-        Just(Source::Memory),
+        Just(Source::memory()),
         text().prop_map(|path| Source::File(path.into())),
         (text(), dims.clone(), voxel_type.clone(), 1usize..=4, 0..=i64::MAX as u64, any::<bool>()).prop_map(
             |(path, dims, voxel_type, components, skip, big_endian)| Source::Raw {

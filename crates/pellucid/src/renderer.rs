@@ -243,21 +243,21 @@ impl Renderer {
             }
             #[cfg(feature = "gpu")]
             Engine::Cpu(_) => {
-                let choice = |why| Choice { setting: "backend", chosen: format!("cpu, as there is {why}") };
+                let choice = |why| Choice::new("backend", "cpu", format!("cpu, as there is {why}"));
                 Ok(self.without_gpu.iter().map(choice).collect())
             }
             #[cfg(feature = "gpu")]
             Engine::Gpu(_) if self.stand_in.is_some() && GpuRenderer::lacks(stage).is_some() => {
                 let what = GpuRenderer::lacks(stage).unwrap_or_default();
-                Ok(vec![Choice { setting: "backend", chosen: format!("cpu, as the GPU backend has no {what}") }])
+                Ok(vec![Choice::new("backend", "cpu", format!("cpu, as the GPU backend has no {what}"))])
             }
             #[cfg(feature = "gpu")]
             Engine::Gpu(gpu) => {
                 let plan = gpu.plan(stage)?;
                 let (device, interpolation) = (gpu.device(), gpu.interpolation());
                 let chosen = format!("{}; {}; {interpolation} interpolation", device.adapter, device.capabilities);
-                let memory = Choice { setting: "graphics memory", chosen: plan.to_string() };
-                Ok(vec![Choice { setting: "backend", chosen }, memory])
+                let memory = Choice::new("graphics memory", plan.total(), plan.to_string());
+                Ok(vec![Choice::new("backend", device.adapter.name.as_str(), chosen), memory])
             }
         }
     }

@@ -12,8 +12,8 @@ pub struct PictureFlags {
     /// Pixels per row and rows, 1 to 32768 each [default: 1024x1024]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<[u32; 2]>,
-    /// What lies behind the volume: one colour (#rrggbb, rrggbb, black, white), 'transparent', or
-    /// the colours of the top and the bottom row [default: black]
+    /// What lies behind the volume: one colour (a name of CSS, #rrggbb or rrggbb), 'transparent',
+    /// or the colours of the top and the bottom row [default: black]
     #[arg(long, value_name = "COLOR|transparent|TOP,BOTTOM", value_parser = background)]
     background: Option<Background>,
     /// How light becomes numbers in a PNG: srgb for screens, linear for measuring [default: srgb]
