@@ -20,7 +20,7 @@ fn main() {
     let volume = [Arc::new(volume)];
     let stage = |technique: Technique| -> Stage {
         let mut scene = scene.clone();
-        scene.volumes[0].source = Source::Memory;
+        scene.volumes[0].source = Source::memory();
         scene.technique = technique;
         scene.resolve(&volume).expect("a stage").0
     };

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::VoxelType;
+use crate::{Short, VoxelType};
 
 /// Why a grid or a volume cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -16,7 +16,8 @@ pub enum FieldError {
     },
     /// The affine has a zero, infinite or NaN volume.
     #[error(
-        "the index-to-world affine is singular or not finite (determinant {determinant}): spacing must be positive and the directions independent"
+        "the index-to-world affine is singular or not finite (determinant {}): spacing must be positive and the directions independent",
+        Short(*determinant)
     )]
     Affine {
         /// Determinant of the linear part, in world units cubed.
@@ -47,7 +48,7 @@ pub enum FieldError {
         dims: [usize; 3],
     },
     /// A numeric setting is outside its range.
-    #[error("{name} is {found}: {expected}")]
+    #[error("{name} is {}: {expected}", Short(*found))]
     Parameter {
         /// The setting.
         name: &'static str,
@@ -90,7 +91,7 @@ impl fmt::Display for Warning {
                 write!(f, "{from} values are kept as {to}, without loss")
             }
             Self::Converted { from, to, largest_error } => {
-                write!(f, "{from} values are kept as {to}: the largest change of a value is {largest_error:.3e}")
+                write!(f, "{from} values are kept as {to}: the largest change of a value is {}", Short(*largest_error))
             }
             Self::NotFinite { nan, infinite } => {
                 write!(f, "{nan} NaN and {infinite} infinite values are treated as absent")

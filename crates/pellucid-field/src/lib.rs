@@ -32,6 +32,7 @@ mod sampler;
 mod threads;
 mod volume;
 mod voxels;
+mod words;
 
 pub use blocks::Blocks;
 pub use crop::crop;
@@ -55,3 +56,4 @@ pub use sampler::{ComponentView, Linear, Nearest, Reconstruct, Sampler, Wide};
 pub use threads::{Threads, ThreadsError, parallel, thread_count};
 pub use volume::{Statistics, ValueMap, Volume};
 pub use voxels::{Buffer, Voxel, VoxelType, Voxels};
+pub use words::{Short, nearest, printable};

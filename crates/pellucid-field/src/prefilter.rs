@@ -27,6 +27,7 @@ pub fn spline_coefficients(volume: &Volume, component: usize) -> Result<Volume, 
     result.name.clone_from(&volume.name);
     result.value_unit.clone_from(&volume.value_unit);
     result.length_unit.clone_from(&volume.length_unit);
+    result.is_anatomical = volume.is_anatomical;
     Ok(result)
 }
 

@@ -80,6 +80,7 @@ pub fn resample(volume: &Volume, grid: Grid, filter: Filter, outside: f64) -> Re
     result.name.clone_from(&volume.name);
     result.value_unit.clone_from(&volume.value_unit);
     result.length_unit.clone_from(&volume.length_unit);
+    result.is_anatomical = volume.is_anatomical;
     Ok(result)
 }
 

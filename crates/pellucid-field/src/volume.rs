@@ -63,6 +63,9 @@ pub struct Volume {
     pub value_unit: Option<String>,
     /// Unit of world lengths ("mm"), if known.
     pub length_unit: Option<String>,
+    /// Whether the world is a patient's, with x to the left, y to the back and z to the head: where a file states no
+    /// such frame, nobody knows its sides.
+    pub is_anatomical: bool,
     statistics: OnceLock<Statistics>,
 }
 
@@ -96,6 +99,7 @@ impl Volume {
             name: String::new(),
             value_unit: None,
             length_unit: None,
+            is_anatomical: false,
             statistics: OnceLock::new(),
         })
     }
@@ -151,6 +155,7 @@ impl Volume {
             name: self.name.clone(),
             value_unit: self.value_unit.clone(),
             length_unit: self.length_unit.clone(),
+            is_anatomical: self.is_anatomical,
             ..volume
         })
     }

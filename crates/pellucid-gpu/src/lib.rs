@@ -41,3 +41,4 @@ pub use error::GpuError;
 pub use plan::MemoryPlan;
 pub use renderer::{GpuRenderer, Interpolation, Passes};
 pub use texture::Part;
+pub use wgpu;

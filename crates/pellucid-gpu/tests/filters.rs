@@ -100,7 +100,7 @@ fn transfer_function(opacities: &[(f64, f32)]) -> TransferFunction {
 
 /// A lit picture of a volume from the side, cut by a plane.
 fn stage(volume: &Arc<Volume>, edit: impl FnOnce(&mut Scene)) -> Stage {
-    let mut scene = Scene::of(Source::Memory);
+    let mut scene = Scene::of(Source::memory());
     scene.volumes[0].transfer_function = Some(transfer_function(&[(0.45, 0.0), (0.6, 0.3), (0.9, 0.5)]));
     scene.volumes[0].shading = Some(true);
     scene.camera.view = View::Orbit(Orbit { azimuth: 35.0, elevation: 25.0, ..Orbit::default() });

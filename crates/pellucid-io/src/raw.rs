@@ -65,6 +65,7 @@ pub(crate) fn describe(source: &Source, layout: &RawLayout) -> Result<Descriptio
         value_map: ValueMap::IDENTITY,
         value_unit: None,
         length_unit: None,
+        is_anatomical: false,
         payload: Payload {
             header: source.path.clone(),
             parts: Parts::Attached(source.clone(), layout.skip.unwrap_or(0)),

@@ -18,6 +18,7 @@ pub(crate) struct Description {
     pub value_map: ValueMap,
     pub value_unit: Option<String>,
     pub length_unit: Option<String>,
+    pub is_anatomical: bool,
     pub payload: Payload,
     pub warnings: Vec<Warning>,
 }
@@ -92,6 +93,7 @@ fn load(source: &Source, options: &ReadOptions) -> Result<Loaded, IoError> {
     let mut volume = volume.with_value_map(value_map).map_err(IoError::field(path))?.with_name(short_name(path));
     volume.value_unit = description.value_unit;
     volume.length_unit = description.length_unit;
+    volume.is_anatomical = description.is_anatomical;
     if !is_integer {
         let statistics = volume.statistics();
         if statistics.nan + statistics.infinite > 0 {

@@ -6,7 +6,10 @@ use schemars::JsonSchema;
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use pellucid_field::nearest;
+
 use crate::OpticsError;
+use crate::color_names::COLOR_NAMES;
 use crate::control_point::exactly;
 
 /// The space colours are given and interpolated in.
@@ -40,7 +43,7 @@ pub fn luminance([r, g, b]: [f32; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-/// A colour as written in a document: `"#rrggbb"`, or `[r, g, b]` with numbers from 0 to 1.
+/// A colour as written in a document: `"#rrggbb"`, a name of CSS, or `[r, g, b]` with numbers from 0 to 1.
 ///
 /// Which space the numbers are in is said by what holds the colour (a transfer function's
 /// [`ColorSpace`]); where nothing says otherwise they are sRGB-encoded.
@@ -61,7 +64,7 @@ impl Color {
         if rgb.iter().all(|v| (0.0..=1.0).contains(v)) {
             return Ok(Self(rgb));
         }
-        Err(OpticsError::Color { found: format!("{rgb:?}") })
+        Err(OpticsError::Color { found: format!("{rgb:?}"), meant: None })
     }
 
     /// A colour from its code as hexadecimal number, `0xrrggbb`; higher bits are ignored.
@@ -70,16 +73,31 @@ impl Color {
         Self([r as f32 / 255.0, g as f32 / 255.0, b as f32 / 255.0])
     }
 
-    /// A colour from text, `#rrggbb`.
+    /// A colour from text: `#rrggbb`, `#rgb`, or a name of CSS in letters of any case.
     ///
     /// # Errors
     /// [`OpticsError::Color`] if it is anything else.
     pub fn parse(text: &str) -> Result<Self, OpticsError> {
-        text.strip_prefix('#')
-            .filter(|digits| digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit()))
-            .and_then(|digits| u32::from_str_radix(digits, 16).ok())
-            .map(Self::hex)
-            .ok_or_else(|| OpticsError::Color { found: format!("{text:?}") })
+        let code = match text.strip_prefix('#') {
+            Some(digits) if digits.bytes().all(|digit| digit.is_ascii_hexdigit()) => {
+                let number = u32::from_str_radix(digits, 16).ok();
+                match digits.len() {
+                    6 => number,
+                    // Every digit stands for two of them.
+                    3 => number.map(|n| 0x11 * ((n & 0xf00) << 8 | (n & 0xf0) << 4 | n & 0xf)),
+                    _ => None,
+                }
+            }
+            Some(_) => None,
+            None => {
+                let name = text.to_ascii_lowercase();
+                COLOR_NAMES.binary_search_by_key(&name.as_str(), |(name, _)| name).ok().map(|k| COLOR_NAMES[k].1)
+            }
+        };
+        code.map(Self::hex).ok_or_else(|| OpticsError::Color {
+            found: format!("{text:?}"),
+            meant: nearest(text, COLOR_NAMES.iter().map(|(name, _)| *name)),
+        })
     }
 
     /// Red, green and blue as written.
@@ -125,7 +143,7 @@ impl fmt::Debug for Color {
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 enum Form {
-    Hex(#[schemars(regex(pattern = "^#[0-9a-fA-F]{6}$"))] String),
+    Text(#[schemars(regex(pattern = "^(#[0-9a-fA-F]{6}|#[0-9a-fA-F]{3}|[a-zA-Z]+)$"))] String),
     Rgb(#[schemars(inner(range(min = 0.0, max = 1.0)))] [f32; 3]),
 }
 
@@ -136,7 +154,10 @@ impl JsonSchema for Color {
 
     fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
         let mut schema = Form::json_schema(generator);
-        schema.insert("description".into(), "\"#rrggbb\", or [r, g, b] with numbers from 0 to 1.".into());
+        schema.insert(
+            "description".into(),
+            "\"#rrggbb\", a name of CSS such as \"orange\", or [r, g, b] with numbers from 0 to 1.".into(),
+        );
         schema
     }
 }
@@ -145,7 +166,7 @@ impl Serialize for Color {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         // The short form only where it says the same.
         let hex = self.to_hex();
-        let form = if Self::parse(&hex) == Ok(*self) { Form::Hex(hex) } else { Form::Rgb(self.0) };
+        let form = if Self::parse(&hex) == Ok(*self) { Form::Text(hex) } else { Form::Rgb(self.0) };
         form.serialize(serializer)
     }
 }
@@ -157,7 +178,7 @@ impl<'de> Deserialize<'de> for Color {
             type Value = Color;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a colour: \"#rrggbb\" or [r, g, b] with numbers from 0 to 1")
+                f.write_str("a colour: \"#rrggbb\", a name of CSS, or [r, g, b] with numbers from 0 to 1")
             }
 
             fn visit_str<E: Error>(self, text: &str) -> Result<Color, E> {
@@ -212,6 +233,26 @@ mod tests {
             assert!(message.contains("#rrggbb") || message.contains("invalid length 2"), "{bad}: {message}");
         }
         assert!(Color::new([f32::NAN, 0.0, 0.0]).is_err());
+    }
+
+    #[test]
+    fn colours_have_the_names_of_css() {
+        // Names with the code values of the standard, as people write them; `gray` has two spellings.
+        for (name, code) in [
+            ("orange", 0xffa500),
+            ("SteelBlue", 0x4682b4),
+            ("grey", 0x808080),
+            ("gray", 0x808080),
+            ("rebeccapurple", 0x663399),
+            ("white", 0xffffff),
+            ("#f80", 0xff8800),
+        ] {
+            assert_eq!(Color::parse(name), Ok(Color::hex(code)), "{name}");
+            assert_eq!(serde_json::from_value::<Color>(name.into()).unwrap(), Color::hex(code));
+        }
+        assert!(COLOR_NAMES.is_sorted_by(|a, b| a.0 < b.0));
+        let message = Color::parse("ornage").unwrap_err().to_string();
+        assert!(message.contains("did you mean orange?"), "{message}");
     }
 
     proptest! {

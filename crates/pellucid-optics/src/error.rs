@@ -2,15 +2,22 @@
 
 use std::path::PathBuf;
 
+use pellucid_field::{Short, nearest};
+
 /// Why an optical property cannot be used as given.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpticsError {
-    /// A colour that is not `#rrggbb` or three numbers in 0..=1.
-    #[error("colour {found}: expected \"#rrggbb\" or [r, g, b] with numbers from 0 to 1")]
+    /// A colour that is no code, no name and not three numbers in 0..=1.
+    #[error(
+        "colour {found}: expected \"#rrggbb\", a name of CSS such as \"orange\", or [r, g, b] with numbers from 0 to 1{}",
+        pointer(meant)
+    )]
     Color {
         /// What was given.
         found: String,
+        /// The name of a colour that it may mean.
+        meant: Option<&'static str>,
     },
     /// A list of control points has no points.
     #[error("{list} has no points: at least one is needed")]
@@ -19,7 +26,7 @@ pub enum OpticsError {
         list: &'static str,
     },
     /// One control point cannot be used.
-    #[error("{list}, point {index} (value {value}): {problem}")]
+    #[error("{list}, point {index} (value {}): {problem}", Short(*value))]
     Point {
         /// The list the point is in.
         list: &'static str,
@@ -31,7 +38,7 @@ pub enum OpticsError {
         problem: String,
     },
     /// A numeric setting is outside its range.
-    #[error("{name} is {found}: expected {expected}")]
+    #[error("{name} is {}: expected {expected}", Short(*found))]
     Parameter {
         /// The setting.
         name: &'static str,
@@ -41,7 +48,7 @@ pub enum OpticsError {
         expected: &'static str,
     },
     /// An interval is empty, reversed or not finite.
-    #[error("{name} [{}, {}]: expected finite numbers, the second {expected} the first", found[0], found[1])]
+    #[error("{name} [{}, {}]: expected finite numbers, the second {expected} the first", Short(found[0]), Short(found[1]))]
     Interval {
         /// The setting.
         name: &'static str,
@@ -51,7 +58,10 @@ pub enum OpticsError {
         expected: &'static str,
     },
     /// A direction without length.
-    #[error("{name} [{}, {}, {}]: expected finite numbers that are not all zero", found[0], found[1], found[2])]
+    #[error(
+        "{name} [{}, {}, {}]: expected finite numbers that are not all zero",
+        Short(found[0]), Short(found[1]), Short(found[2])
+    )]
     Direction {
         /// The setting.
         name: &'static str,
@@ -79,12 +89,14 @@ pub enum OpticsError {
         found: [[f64; 3]; 2],
     },
     /// A name that is not in the list it should be from.
-    #[error("{kind} \"{found}\" is unknown; known are: {known}")]
+    #[error("{kind} \"{found}\" is unknown{}; known are: {known}", pointer(meant))]
     Name {
         /// What the name is for.
         kind: &'static str,
         /// The name.
         found: String,
+        /// The one of them that it may mean.
+        meant: Option<String>,
         /// The names there are, comma separated.
         known: String,
     },
@@ -123,6 +135,12 @@ pub(crate) fn unknown_name<'a>(
     found: &str,
     known: impl IntoIterator<Item = &'a str>,
 ) -> OpticsError {
-    let known = known.into_iter().collect::<Vec<_>>().join(", ");
-    OpticsError::Name { kind, found: found.to_owned(), known }
+    let known: Vec<&str> = known.into_iter().collect();
+    let meant = nearest(found, known.iter().copied()).map(str::to_owned);
+    OpticsError::Name { kind, found: found.to_owned(), meant, known: known.join(", ") }
+}
+
+/// The question after a name that is not known.
+fn pointer(meant: &Option<impl std::fmt::Display>) -> String {
+    meant.as_ref().map_or_else(String::new, |name| format!(", did you mean {name}?"))
 }

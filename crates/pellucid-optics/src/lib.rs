@@ -9,6 +9,7 @@
 mod bend;
 mod chroma;
 mod color;
+mod color_names;
 mod colormap;
 mod control_point;
 mod environment;

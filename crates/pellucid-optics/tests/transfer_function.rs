@@ -73,7 +73,8 @@ fn mistakes_are_named() {
     assert!(message(&[(2.0, 0.0), (1.0, 0.0)]).contains("must ascend, the one before is at 2"));
     assert!(message(&[(1.0, 0.0), (1.0, 0.0), (1.0, 0.5)]).contains("point 2 (value 1): a third point"));
     for (json, expected) in [
-        (r##"{ "colors": [[0, "white"]], "opacities": [[0, 1]] }"##, "#rrggbb"),
+        (r##"{ "colors": [[0, "tartan"]], "opacities": [[0, 1]] }"##, "#rrggbb"),
+        (r##"{ "colors": [[0, "whitr"]], "opacities": [[0, 1]] }"##, "did you mean white?"),
         (
             r##"{ "colors": [[0, "#ffffff"]], "opacities": [[0, 1, 2]] }"##,
             "invalid length 3, expected [value, opacity]",
@@ -110,7 +111,7 @@ fn the_schema_describes_both_forms() {
     assert_eq!(schema["required"], serde_json::json!(["colors", "opacities"]));
     assert_eq!(schema["additionalProperties"], false);
     let definitions = &schema["$defs"];
-    assert_eq!(definitions["Color"]["anyOf"][0]["pattern"], "^#[0-9a-fA-F]{6}$");
+    assert_eq!(definitions["Color"]["anyOf"][0]["pattern"], "^(#[0-9a-fA-F]{6}|#[0-9a-fA-F]{3}|[a-zA-Z]+)$");
     assert_eq!(definitions["Color"]["anyOf"][1]["maxItems"], 3);
     assert_eq!(definitions["Color"]["anyOf"][1]["items"]["maximum"], 1.0);
     for (point, property) in [("ColorPoint", "color"), ("OpacityPoint", "opacity")] {

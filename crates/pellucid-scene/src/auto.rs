@@ -2,13 +2,14 @@
 
 use std::cell::OnceCell;
 
-use pellucid_field::Volume;
+use pellucid_field::{Short, Volume};
 use pellucid_optics::{
-    ColorMap, Environment, GradientWeight, Interpolation, Light, Lighting, Material, OpacityPoint, OpticsError, Preset, Scale, TransferFunction,
-    opacity_shape,
+    ColorMap, Environment, GradientWeight, Interpolation, Light, Lighting, Material, OpacityPoint, OpticsError, Preset,
+    Scale, TransferFunction, opacity_shape,
 };
+use serde_json::json;
 
-use crate::choice::{Choice, number};
+use crate::choice::Choice;
 use crate::population::{Backdrop, Population};
 use crate::{Camera, Mode, Projection, Technique, View, Viewpoint, VolumeEntry};
 
@@ -44,13 +45,13 @@ pub fn look(
     let shaped = entry.colormap.is_some() || entry.opacity.is_some();
     if entry.preset.is_none() && entry.transfer_function.is_none() && !shaped && !shows_values(mode) {
         let (preset, reason) = preset_for(volume, population(), backdrop(), entry.window);
-        choices.push(Choice { setting: "preset", chosen: format!("{preset} ({reason})") });
+        choices.push(Choice::new("preset", preset, format!("{preset} ({reason})")));
         entry.preset = Some(preset.to_owned());
         if let (Backdrop::Above(common), None) = (backdrop(), entry.window)
             && preset != "ct-bone"
         {
-            let chosen = format!("viridis_r and linear_r, as the commonest value, {}, is a high one", number(common));
-            choices.push(Choice { setting: "colormap and opacity", chosen });
+            let chosen = format!("viridis_r and linear_r, as the commonest value, {}, is a high one", Short(common));
+            choices.push(Choice::new("colormap and opacity", vec!["viridis_r", "linear_r"], chosen));
             (entry.colormap, entry.opacity) = (Some("viridis_r".into()), Some("linear_r".into()));
         }
     }
@@ -64,8 +65,8 @@ pub fn look(
     if needs_window && entry.window.is_none() {
         let (window, reason) = window_of(population(), backdrop(), mode, entry.preset.as_deref());
         let unit = volume.value_unit.as_deref().map_or(String::new(), |unit| format!(" {unit}"));
-        let chosen = format!("{} to {}{unit} ({reason})", number(window[0]), number(window[1]));
-        choices.push(Choice { setting: "window", chosen });
+        let chosen = format!("{} to {}{unit} ({reason})", Short(window[0]), Short(window[1]));
+        choices.push(Choice::new("window", window.to_vec(), chosen));
         entry.window = Some(window);
     }
     let moved = entry.window.filter(|_| !needs_window && entry.transfer_function.is_none());
@@ -83,7 +84,8 @@ pub fn look(
         }
         None => (tf, 1.0),
     };
-    let weight = preset.map(|preset| preset.gradient_weight(window, volume.grid().mean_spacing())).transpose()?.flatten();
+    let weight =
+        preset.map(|preset| preset.gradient_weight(window, volume.grid().mean_spacing())).transpose()?.flatten();
     let stretched = |weight: GradientWeight| {
         let [low, high] = [weight.low, weight.high].map(|slope| (f64::from(slope) * stretch) as f32);
         GradientWeight { low, high }
@@ -109,9 +111,21 @@ fn background_of_minima(population: &Population, backdrop: Backdrop) -> Option<C
     let chosen = format!(
         "{} is both low and common: a minimum projection shows it on every ray that meets it. --crop or --clip to the \
          inside shows what is lowest there",
-        number(common)
+        Short(common)
     );
-    (share > 0.05).then_some(Choice { setting: "background", chosen })
+    (share > 0.05).then(|| Choice::new("background", common, chosen))
+}
+
+/// Whether an entry's window decides anything of its look: it does not where all that could be spread over it has
+/// data values of its own.
+pub fn heeds_window(entry: &VolumeEntry, volume: &Volume, mode: &Mode) -> bool {
+    let with = |window| {
+        let entry = VolumeEntry { window: Some(window), ..entry.clone() };
+        let component = entry.component.unwrap_or_default();
+        let look = look(&entry, volume, component, mode, &mut Vec::new());
+        look.ok().map(|(look, _)| (look.transfer_function, look.gradient_weight))
+    };
+    with([0.0, 1.0]) != with([0.0, 2.0])
 }
 
 /// Whether a mode shows values rather than a medium: it gets a gray ramp by default.
@@ -170,13 +184,18 @@ fn with_unit_distance(
         }
         _ => (grid.mean_spacing(), "the mean voxel spacing"),
     };
-    choices.push(Choice { setting: "unit distance", chosen: format!("opacities hold for {} {length} ({why})", number(unit)) });
+    choices.push(Choice::new("unit distance", unit, format!("opacities hold for {} {length} ({why})", Short(unit))));
     tf.with_unit_distance(Some(unit))
 }
 
 /// A preset for data by what is known of their values. A window that was asked for is spread over, which those in
 /// units of their own are not.
-fn preset_for(volume: &Volume, population: &Population, backdrop: Backdrop, window: Option<[f64; 2]>) -> (&'static str, String) {
+fn preset_for(
+    volume: &Volume,
+    population: &Population,
+    backdrop: Backdrop,
+    window: Option<[f64; 2]>,
+) -> (&'static str, String) {
     let hounsfield = volume.value_unit.as_deref() == Some("HU");
     if window.is_none() && (hounsfield || population.is_like_hounsfield()) {
         let why = if hounsfield { "values are in HU" } else { "values reach from air to bone in Hounsfield units" };
@@ -186,10 +205,10 @@ fn preset_for(volume: &Volume, population: &Population, backdrop: Backdrop, wind
     let (Some(least), Some(most)) = (population.values().first(), population.values().last()) else {
         return ("density", "no value is there to choose by".to_owned());
     };
-    let values = format!("{voxel_type} values from {} to {}", number(*least), number(*most));
+    let values = format!("{voxel_type} values from {} to {}", Short(*least), Short(*most));
     match backdrop {
         Backdrop::Between(neutral) if window.is_none_or(|[low, high]| low < neutral && neutral < high) => {
-            ("simulation", format!("{values}, to both sides of {}", number(neutral)))
+            ("simulation", format!("{values}, to both sides of {}", Short(neutral)))
         }
         _ if voxel_type.is_integer() => ("micro-ct", values),
         _ => ("density", values),
@@ -197,21 +216,24 @@ fn preset_for(volume: &Volume, population: &Population, backdrop: Backdrop, wind
 }
 
 /// The values that matter: all but the background, if there is one, and but for outliers.
-fn window_of(
-    population: &Population,
-    backdrop: Backdrop,
-    mode: &Mode,
-    preset: Option<&str>,
-) -> ([f64; 2], String) {
-    let Some([low, high]) = population.ends() else { return ([-0.5, 0.5], "there is no value to choose by".to_owned()) };
+fn window_of(population: &Population, backdrop: Backdrop, mode: &Mode, preset: Option<&str>) -> ([f64; 2], String) {
+    let Some([low, high]) = population.ends() else {
+        return ([-0.5, 0.5], "there is no value to choose by".to_owned());
+    };
     let reach = |from: f64, side: f64| population.reach(from, side).unwrap_or(0.0);
     let ([low, high], why) = match backdrop {
         Backdrop::Between(neutral) if preset == Some("simulation") => {
             let most = reach(neutral, 1.0).max(reach(neutral, -1.0));
-            ([neutral - most, neutral + most], format!("as far to both sides of {} as values reach", number(neutral)))
+            ([neutral - most, neutral + most], format!("as far to both sides of {} as values reach", Short(neutral)))
         }
-        Backdrop::Below(common) => ([common, common + reach(common, 1.0)], "from the background, the commonest value, to all but outliers".to_owned()),
-        Backdrop::Above(common) if !shows_values(mode) => ([common - reach(common, -1.0), common], "from all but outliers to the background, the commonest value".to_owned()),
+        Backdrop::Below(common) => (
+            [common, common + reach(common, 1.0)],
+            "from the background, the commonest value, to all but outliers".to_owned(),
+        ),
+        Backdrop::Above(common) if !shows_values(mode) => (
+            [common - reach(common, -1.0), common],
+            "from all but outliers to the background, the commonest value".to_owned(),
+        ),
         _ => ([low, high], "all values but outliers".to_owned()),
     };
     // Wide enough to differ in 32 bits.
@@ -235,13 +257,16 @@ pub fn camera_choice(camera: &Camera, view: &Viewpoint) -> Option<Choice> {
     if orbit.target.is_some() && orbit.distance.is_some() {
         return None;
     }
-    let [x, y, z] = view.eye.to_array().map(number);
-    let chosen = format!(
-        "azimuth {} and elevation {} degrees, eye at ({x}, {y}, {z})",
-        number(orbit.azimuth),
-        number(orbit.elevation)
-    );
-    Some(Choice { setting: "camera", chosen })
+    let [azimuth, elevation] = [orbit.azimuth, orbit.elevation].map(Short);
+    let [x, y, z] = view.eye.to_array().map(Short);
+    let chosen = format!("azimuth {azimuth} and elevation {elevation} degrees, eye at ({x}, {y}, {z})");
+    let value = json!({
+        "azimuth": orbit.azimuth,
+        "elevation": orbit.elevation,
+        "eye": view.eye.to_array(),
+        "target": view.target.to_array(),
+    });
+    Some(Choice::new("camera", value, chosen))
 }
 
 /// The camera with what was chosen for it written down.
@@ -275,9 +300,12 @@ fn lit_by_environment(technique: &Technique) -> bool {
 /// What lights a technique that follows light, where the scene left it open.
 pub fn lights_choice(lighting: &Lighting, technique: &Technique) -> Option<Choice> {
     let follows = matches!(technique, Technique::HalfAngle(_) | Technique::PathTrace(_));
-    let chosen = match lit_by_environment(technique) {
-        true => "the environment alone",
-        false => "a headlight, which casts no shadow that is seen; --look studio, sky, skin or cloud bring others",
+    let (lights, chosen) = match lit_by_environment(technique) {
+        true => ("environment", "the environment alone"),
+        false => (
+            "headlight",
+            "a headlight, which casts no shadow that is seen; --look studio, sky, skin or cloud bring others",
+        ),
     };
-    (follows && is_default(lighting)).then(|| Choice { setting: "lights", chosen: chosen.to_owned() })
+    (follows && is_default(lighting)).then(|| Choice::new("lights", lights, chosen))
 }

@@ -1,5 +1,7 @@
 //! Validation: the same checks whether a scene comes from a file, a flag or Rust code.
 
+use pellucid_field::Short;
+
 /// A value of the scene that is out of its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{path}: {message}")]
@@ -18,6 +20,9 @@ pub(crate) fn require(holds: bool, path: &str, key: &str, found: impl std::fmt::
     if holds {
         return Ok(());
     }
+    // A number of 300 digits tells nothing.
+    let found = found.to_string();
+    let found = found.parse().ok().filter(|_| found.len() > 12).map_or(found, |number| Short(number).to_string());
     Err(Invalid { path: join(path, key), message: format!("found {found}, expected {allowed}") })
 }
 

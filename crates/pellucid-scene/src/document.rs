@@ -5,7 +5,9 @@ use std::fmt;
 use serde_json::{Number, Value};
 use serde_path_to_error::Segment;
 
+use crate::citations;
 use crate::locate::{Step, line_of, locate, path, steps};
+use crate::meant::pointed;
 use crate::{Invalid, Scene};
 
 /// The text formats of a scene.
@@ -63,7 +65,7 @@ impl Scene {
             let variant = message.strip_prefix("unknown variant `").and_then(|rest| rest.split('`').next());
             steps.extend(variant.map(|variant| Step::Key(variant.to_owned())));
             let (line, depth) = locate(text, format, &steps);
-            DocumentError::at(line, &path(&steps[..depth]), &message)
+            DocumentError::at(line, &path(&steps[..depth]), &pointed(&message))
         })?;
         scene.validate().map_err(|Invalid { path, message }| {
             let (line, _) = locate(text, format, &steps(&path));
@@ -154,6 +156,7 @@ fn step(segment: &Segment) -> Option<Step> {
 
 /// The JSON Schema of scene documents (for both formats).
 pub fn json_schema() -> String {
-    let schema = schemars::schema_for!(Scene);
+    let mut schema = schemars::schema_for!(Scene).to_value();
+    citations::leave_out(&mut schema);
     serde_json::to_string_pretty(&schema).expect("a schema is JSON") + "\n"
 }

@@ -3,10 +3,9 @@
 use std::fmt::Display;
 
 use glam::DVec3;
-use pellucid_field::Grid;
+use pellucid_field::{Grid, Short};
 use pellucid_optics::{DataRange, Table, Visibility};
 
-use crate::choice::number;
 use crate::{Crop, Frame, Mode, Slice, Stage, StageVolume};
 
 impl Stage {
@@ -41,11 +40,11 @@ impl Stage {
             return Some(self.looks_elsewhere(&left));
         }
         let unit = volume.volume.value_unit.as_deref().map_or(String::new(), |unit| format!(" {unit}"));
-        let range = format!("{} to {}{unit}", number(statistics.min), number(statistics.max));
+        let range = format!("{} to {}{unit}", Short(statistics.min), Short(statistics.max));
         if let Mode::Isosurface(surfaces) = self.mode() {
             let within = |value: f64| (statistics.min..=statistics.max).contains(&value);
             if !surfaces.isovalues.iter().any(|iso| within(iso.value)) {
-                let values = list(surfaces.isovalues.iter().map(|iso| number(iso.value)));
+                let values = list(surfaces.isovalues.iter().map(|iso| Short(iso.value)));
                 return Some(format!("the isovalue {values} is not in the data's range, {range}"));
             }
             if surfaces.isovalues.iter().all(|iso| iso.opacity == 0.0 || !within(iso.value)) {
@@ -59,7 +58,7 @@ impl Stage {
             let seen = volume.transfer_function.opacities().iter().filter(|point| point.opacity > 0.0);
             let seen: Vec<f64> = seen.map(|point| point.value).collect();
             let has = match (seen.first(), seen.last()) {
-                (Some(first), Some(last)) => format!("it has some around {} to {}", number(*first), number(*last)),
+                (Some(first), Some(last)) => format!("it has some around {} to {}", Short(*first), Short(*last)),
                 _ => "it has none anywhere".to_owned(),
             };
             return Some(format!(
@@ -74,9 +73,9 @@ impl Stage {
             format!(
                 "opacities hold for a unit distance of {}, and no ray is longer than {} in the volume, which makes an \
                  opacity of {} at most: --unit-distance sets a smaller one",
-                number(unit),
-                number(length),
-                number(total)
+                Short(unit),
+                Short(length),
+                Short(total)
             )
         })
     }
@@ -90,10 +89,10 @@ impl Stage {
             format!(
                 "the slice passes outside of the volume: it is at {} along its normal ({}), and what is left of the \
                  volume spans {} to {}",
-                number(at),
-                list(normal.to_array().map(number)),
-                number(low),
-                number(high)
+                Short(at),
+                list(normal.to_array().map(Short)),
+                Short(low),
+                Short(high)
             )
         })
     }
@@ -107,9 +106,9 @@ impl Stage {
         };
         format!(
             "the camera points elsewhere: the volume, around ({}), lies {where_it_is}, which looks from ({}) at ({})",
-            list(middle.to_array().map(number)),
-            list(view.eye.to_array().map(number)),
-            list(view.target.to_array().map(number))
+            list(middle.to_array().map(Short)),
+            list(view.eye.to_array().map(Short)),
+            list(view.target.to_array().map(Short))
         )
     }
 }
@@ -123,8 +122,8 @@ fn nothing_left(volume: &StageVolume, grid: &Grid) -> String {
     if let Some(crop) = volume.crop.filter(|crop| outside(crop)) {
         return format!(
             "the crop, voxels ({}) to ({}), lies outside of the volume, whose voxels are (0, 0, 0) to ({})",
-            list(crop.from.map(number)),
-            list(crop.to.map(number)),
+            list(crop.from.map(Short)),
+            list(crop.to.map(Short)),
             list(grid.dims().map(|n| n - 1))
         );
     }
@@ -132,8 +131,8 @@ fn nothing_left(volume: &StageVolume, grid: &Grid) -> String {
     format!(
         "the clips{} leave nothing of the volume, which spans ({}) to ({})",
         if volume.crop.is_some() { " and the crop" } else { "" },
-        list(low.to_array().map(number)),
-        list(high.to_array().map(number))
+        list(low.to_array().map(Short)),
+        list(high.to_array().map(Short))
     )
 }
 

@@ -28,7 +28,8 @@ impl<'v> Framed<'v> {
         if let Mode::Slice(slice) = mode
             && let Some(normal) = slice.normal
         {
-            let (normal, point) = (DVec3::from_array(normal).normalize(), slice.point.map_or(grid.center(), DVec3::from));
+            let (normal, point) =
+                (DVec3::from_array(normal).normalize(), slice.point.map_or(grid.center(), DVec3::from));
             // A plane without a thickness has no corners of its own.
             let half = normal * (slice.thickness / 2.0).max(1e-6 * grid.smallest_spacing());
             region.keep(normal, point - half);
@@ -194,12 +195,13 @@ impl Search<'_, '_> {
             return;
         }
         let at = |place: [f64; 3]| {
-            (0..8).map(|k| {
-                let weight: f64 =
-                    (0..3).map(|axis| if k >> axis & 1 == 1 { place[axis] } else { 1.0 - place[axis] }).product();
-                weight * values[k]
-            })
-            .sum::<f64>()
+            (0..8)
+                .map(|k| {
+                    let weight: f64 =
+                        (0..3).map(|axis| if k >> axis & 1 == 1 { place[axis] } else { 1.0 - place[axis] }).product();
+                    weight * values[k]
+                })
+                .sum::<f64>()
         };
         let farthest = (0..3).fold(0, |octant, axis| octant | usize::from(self.slope[axis] > 0.0) << axis);
         let (low, high) = bounds;

@@ -62,7 +62,8 @@ impl Default for Background {
 }
 
 impl Background {
-    /// Linear RGBA behind row `y` of `height`: alpha is 0 if transparent, else 1.
+    /// Linear RGBA behind row `y` of `height`: alpha is 0 if transparent, else 1. A gradient begins and ends in the
+    /// middles of its first and last row; a single row has the colour halfway.
     pub fn at(&self, y: usize, height: usize) -> [f32; 4] {
         let opaque = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
         match self {
@@ -71,7 +72,7 @@ impl Background {
             Self::Environment => opaque([0.0; 3]),
             Self::Color(color) => opaque(color.to_linear(ColorSpace::Srgb)),
             Self::Gradient { top, bottom } => {
-                let t = (y as f32 + 0.5) / height as f32;
+                let t = if height > 1 { y as f32 / (height - 1) as f32 } else { 0.5 };
                 let (a, b) = (top.to_linear(ColorSpace::Srgb), bottom.to_linear(ColorSpace::Srgb));
                 opaque(std::array::from_fn(|k| a[k] + (b[k] - a[k]) * t))
             }

@@ -1,5 +1,6 @@
 //! Ready-made light: what a photographer sets up, for any data and any technique.
 
+use pellucid_field::nearest;
 use pellucid_optics::{
     Albedo, Anisotropy, Color, ColorPoint, Environment, Frame, Light, LightKind, LightModel, Lighting, Material,
     NumberPoint, OpticsError, Phase, PhaseNormalization, Scattering, ShadowVolume, Shadows, SkyImage, SkySource,
@@ -52,11 +53,12 @@ impl Look {
     /// # Errors
     /// [`OpticsError::Name`], with the names there are.
     pub fn by_name(name: &str) -> Result<Self, OpticsError> {
-        let known = || Self::ALL.map(Self::name).join(", ");
+        let known = || Self::ALL.map(Self::name);
         Self::ALL.into_iter().find(|look| look.name() == name).ok_or_else(|| OpticsError::Name {
             kind: "look",
             found: name.to_owned(),
-            known: known(),
+            meant: nearest(name, known()).map(str::to_owned),
+            known: known().join(", "),
         })
     }
 

@@ -182,7 +182,9 @@ fn top(distances: &[f64]) -> Option<f64> {
         16..64 => 1,
         _ => (n / 100).max(4),
     };
-    let gap = (0..lonely).rev().find(|k| distances[last - k] > 2.0 * distances[last - k - 1] && distances[last - k - 1] > 0.0);
+    let gap = (0..lonely)
+        .rev()
+        .find(|k| distances[last - k] > 2.0 * distances[last - k - 1] && distances[last - k - 1] > 0.0);
     let rest = gap.map_or(last, |k| last - k - 1);
     Some(distances[rest.min(last - n / 1000)])
 }

@@ -10,6 +10,8 @@ use pellucid_optics::{
     Scattering, Shadows, TransferFunction,
 };
 
+use serde_json::json;
+
 use crate::auto::{self, Chosen};
 use crate::brightness::brightness;
 use crate::choice::Choice;
@@ -220,6 +222,13 @@ impl Scene {
     }
 }
 
+impl Scene {
+    /// Whether the window of a volume decides anything of its look; see [`VolumeEntry::window`].
+    pub fn heeds_window(&self, entry: &VolumeEntry, volume: &Volume) -> bool {
+        auto::heeds_window(entry, volume, self.technique.mode())
+    }
+}
+
 impl Stage {
     /// Moves the eye, and with it the lights of the scene's `lighting` that stand in its frame.
     /// Nothing else is chosen anew.
@@ -270,12 +279,13 @@ fn component_of(
         None if components == 1 => Ok((volume.clone(), 0)),
         None => {
             let bright = brightness(volume)?;
-            let what = match bright {
-                Some(_) => "their brightness is drawn, in the colours of the transfer function",
-                None => "only number 0 is drawn",
+            let (value, what) = match bright {
+                Some(_) => (json!("brightness"), "their brightness is drawn, in the colours of the transfer function"),
+                None => (json!(0), "only number 0 is drawn"),
             };
-            let chosen = format!("{components} components, {what}; --component 0 to {} draws one of them", components - 1);
-            choices.push(Choice { setting: "component", chosen });
+            let chosen =
+                format!("{components} components, {what}; --component 0 to {} draws one of them", components - 1);
+            choices.push(Choice::new("component", value, chosen));
             Ok((bright.map_or_else(|| volume.clone(), Arc::new), 0))
         }
     }

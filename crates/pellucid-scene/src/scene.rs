@@ -1,11 +1,13 @@
 //! The scene document.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use pellucid_field::VoxelType;
+use pellucid_field::{Volume, VoxelType};
 use pellucid_optics::{GradientWeight, Lighting, Material, Perturbation, Scattering, TransferFunction};
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use crate::check::{self, Checked, finite, join, positive, require};
 use crate::check_optics;
@@ -148,7 +150,7 @@ impl VolumeEntry {
         if let Some([low, high]) = self.window {
             // Control points at its ends are 32-bit floats in tables.
             let ordered = low < high && low.abs().max(high.abs()) <= f64::from(f32::MAX);
-            require(ordered, path, "window", format!("[{low}, {high}]"), "two finite values, the lower first")?;
+            require(ordered, path, "window", format!("[{low:?}, {high:?}]"), "two finite values, the lower first")?;
         }
         if let Some(unit) = self.unit_distance {
             positive(path, "unit_distance", unit, "a length greater than 0")?;
@@ -181,6 +183,7 @@ pub struct Crop {
 /// Where voxels come from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
+#[schemars(transform = memory_is_a_word)]
 pub enum Source {
     /// A file that describes itself; a relative path starts at the scene's folder.
     File(PathBuf),
@@ -206,12 +209,50 @@ pub enum Source {
     Sample(SampleSource),
     /// A volume made by a procedure.
     Model(ModelSource),
-    /// Voxels handed over by the program.
-    Memory,
+    /// Voxels that a program hands over; a document cannot hold them.
+    Memory(
+        #[serde(skip)]
+        #[schemars(with = "()")]
+        Held,
+    ),
 }
 
 fn one() -> usize {
     1
+}
+
+/// Voxels that a program has in memory; none in a scene that was read from a document.
+#[derive(Clone, Debug, Default)]
+pub struct Held(pub Option<Arc<Volume>>);
+
+/// In documents the variant that holds voxels is a word, as serde has it without them.
+fn memory_is_a_word(schema: &mut Schema) {
+    let variants = schema.get_mut("oneOf").and_then(Value::as_array_mut);
+    for variant in variants.into_iter().flatten().filter(|variant| variant["properties"]["memory"].is_object()) {
+        *variant = json!({ "description": variant["description"], "type": "string", "const": "memory" });
+    }
+}
+
+/// The same voxels, not equal ones: comparing scenes must not compare gigabytes.
+impl PartialEq for Held {
+    fn eq(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() == b.is_none(),
+        }
+    }
+}
+
+impl From<Arc<Volume>> for Source {
+    fn from(volume: Arc<Volume>) -> Self {
+        Self::Memory(Held(Some(volume)))
+    }
+}
+
+impl From<Volume> for Source {
+    fn from(volume: Volume) -> Self {
+        Arc::new(volume).into()
+    }
 }
 
 /// A built-in field, sampled.
@@ -229,6 +270,11 @@ pub struct SampleSource {
 }
 
 impl Source {
+    /// Voxels that the program hands over later, to [`Scene::resolve`].
+    pub const fn memory() -> Self {
+        Self::Memory(Held(None))
+    }
+
     fn check(&self, path: &str) -> Checked {
         let dims = match self {
             Self::Raw { dims, components, skip, .. } => {
@@ -239,7 +285,7 @@ impl Source {
             }
             Self::Sample(sample) => sample.dims.as_ref().map(|dims| (dims, "sample.dims")),
             Self::Model(model) => return model.check(&join(path, "model")),
-            Self::File(_) | Self::Memory => None,
+            Self::File(_) | Self::Memory(_) => None,
         };
         let Some((found, key)) = dims else { return Ok(()) };
         check::dims(path, key, found)

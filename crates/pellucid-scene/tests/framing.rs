@@ -124,7 +124,8 @@ fn a_crop_is_framed_as_a_volume_of_its_own() {
         let volume = Arc::new(Volume::new(grid, vec![1.0f32; grid.len()]).unwrap());
         let (from, to) = ([3.25, 10.0, 1.0], [9.5, 22.0, 6.5]);
         let modes = [Mode::Composite, Mode::Maximum, Mode::Average, Mode::XRay];
-        for (mode, projection) in modes.into_iter().flat_map(|m| [(m.clone(), parallel()), (m, Projection::default())]) {
+        for (mode, projection) in modes.into_iter().flat_map(|m| [(m.clone(), parallel()), (m, Projection::default())])
+        {
             let mut scene = ball(2.0);
             scene.technique = Technique::RayCast(RayCast { mode });
             scene.camera.projection = projection;
@@ -193,7 +194,8 @@ fn a_single_voxel_and_flat_grids_are_framed() {
         let found = view(&scene, &volume);
         let (low, high) = grid.index_bounds();
         // Seen is what is at most 1: within a fifth of a voxel of the last one, across the thickness of flat axes.
-        let corner = DVec3::from_array([0, 1, 2].map(|axis| if dims[axis] == 1 { low[axis] } else { high[axis] - 0.25 }));
+        let corner =
+            DVec3::from_array([0, 1, 2].map(|axis| if dims[axis] == 1 { low[axis] } else { high[axis] - 0.25 }));
         let expected = scene.camera.viewpoint(300, 200, &grid.world_corners_of((corner, high)));
         assert!((found.half_height - expected.half_height).abs() < 0.15, "{dims:?} {found:?} {expected:?}");
         assert!((found.target - expected.target).length() < 0.25, "{dims:?} {found:?} {expected:?}");

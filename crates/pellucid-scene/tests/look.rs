@@ -102,5 +102,8 @@ fn the_sky_behind_is_that_of_the_direction() {
     let stage = scene.resolve(&[volume()]).unwrap().0;
     assert!(stage.backdrop().is_empty());
     let said: Vec<RenderWarning> = stage.fallbacks().collect();
-    assert!(matches!(said.as_slice(), [RenderWarning::Fallback { reason }] if reason.contains("environment")), "{said:?}");
+    assert!(
+        matches!(said.as_slice(), [RenderWarning::Fallback { reason }] if reason.contains("environment")),
+        "{said:?}"
+    );
 }

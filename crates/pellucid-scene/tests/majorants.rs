@@ -30,7 +30,7 @@ fn stage(volume: Arc<Volume>, filter: Filter, perturbation: Perturbation) -> Sta
     let opacities = [(0.0, 0.0), (0.15, 0.0), (0.3, 0.7), (0.6, 0.2), (0.9, 0.95)];
     let opacities = opacities.map(|(value, opacity)| OpacityPoint::new(value, opacity)).to_vec();
     let tf = TransferFunction::new(vec![ColorPoint::new(0.0, Color::WHITE)], opacities).unwrap();
-    let entry = VolumeEntry { transfer_function: Some(tf), perturbation, ..VolumeEntry::new(Source::Memory) };
+    let entry = VolumeEntry { transfer_function: Some(tf), perturbation, ..VolumeEntry::new(Source::memory()) };
     let mut scene = Scene { volumes: vec![entry], ..Scene::default() };
     scene.quality.filter = filter;
     scene.resolve(&[volume]).unwrap().0

@@ -20,7 +20,7 @@ fn scene(entry: VolumeEntry) -> Scene {
 }
 
 fn entry() -> VolumeEntry {
-    VolumeEntry::new(Source::Memory)
+    VolumeEntry::new(Source::memory())
 }
 
 fn resolved(scene: &Scene) -> (Stage, Vec<Choice>) {

@@ -73,7 +73,7 @@ fn source() -> impl Strategy<Value = Source> {
     let dims = [1usize..=65_536, 1usize..=9, 1usize..=9];
     let voxel_type = select(VoxelType::ALL.to_vec());
     prop_oneof![
-        Just(Source::Memory),
+        Just(Source::memory()),
         text().prop_map(|path| Source::File(path.into())),
         (text(), dims.clone(), voxel_type.clone(), 1usize..=4, 0..=i64::MAX as u64, any::<bool>()).prop_map(
             |(path, dims, voxel_type, components, skip, big_endian)| Source::Raw {
@@ -246,7 +246,11 @@ fn camera() -> impl Strategy<Value = Camera> {
         position.iter().zip(target).map(|(p, t)| (t - p).powi(2)).sum::<f64>() > 0.0
     });
     let frame = select(vec![Framing::Visible, Framing::Grid]);
-    (projection, prop_oneof![orbit, look_at], frame).prop_map(|(projection, view, frame)| Camera { projection, view, frame })
+    (projection, prop_oneof![orbit, look_at], frame).prop_map(|(projection, view, frame)| Camera {
+        projection,
+        view,
+        frame,
+    })
 }
 
 fn lighting() -> impl Strategy<Value = Lighting> {

@@ -42,21 +42,31 @@
 //! The parts can be imported on their own: [`field`] is what is measured, [`optics`] what it
 //! looks like, [`scene`] what to draw, [`io`] files in and out.
 
+mod effect;
 mod load;
 mod phase_file;
 mod progressive;
 mod renderer;
 mod save;
 
+/// The example of the README is compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
+
+pub use effect::{WithoutEffect, without_effect};
 pub use load::{LoadError, load, load_optics};
 pub use pellucid_cpu::{CpuRenderer, InstructionSet};
 pub use progressive::{Picture, Progressive, Step};
 pub use renderer::{Backend, RenderError, Renderer};
 pub use save::{PngDepth, SaveError, save, save_exr, save_png};
 
+pub use glam;
 pub use pellucid_field as field;
 #[cfg(feature = "gpu")]
 pub use pellucid_gpu as gpu;
+#[cfg(feature = "gpu")]
+pub use pellucid_gpu::wgpu;
 pub use pellucid_io as io;
 pub use pellucid_model as model;
 pub use pellucid_optics as optics;

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pellucid_field::closed_form::ScalarField;
-use pellucid_field::{FieldError, Grid, Volume, VoxelType, Warning, closed_form, memory};
+use pellucid_field::{FieldError, Grid, Volume, VoxelType, Warning, closed_form, memory, nearest};
 use pellucid_io::{Endian, IoError, RawLayout, ReadOptions, Transfer};
 use pellucid_model::{Clouds, HeightField, HeightMap, Ramp, Spectral};
 use pellucid_optics::{Environment, OpticsError, SkyMap, SkySource, srgb_decode};
-use pellucid_scene::{HeightFieldSource, HeightSource, ModelSource, SampleSource, Scene, Source, Technique};
+use pellucid_scene::{HeightFieldSource, HeightSource, Held, ModelSource, SampleSource, Scene, Source, Technique};
 
 use crate::phase_file;
 
@@ -20,7 +20,7 @@ pub enum LoadError {
     #[error(transparent)]
     Io(#[from] IoError),
     /// There is no built-in field of that name.
-    #[error("volumes[{volume}].source.sample.name is '{found}'; the built-in fields are {known}")]
+    #[error("volumes[{volume}].source.sample.name is '{found}'{}; the built-in fields are {known}", pointer(found))]
     UnknownSample {
         /// Position in the list of volumes.
         volume: usize,
@@ -79,6 +79,11 @@ pub enum LoadError {
     },
 }
 
+/// The question after a name that no built-in field has.
+fn pointer(found: &str) -> String {
+    nearest(found, closed_form::names()).map_or_else(String::new, |name| format!(", did you mean {name}?"))
+}
+
 /// Loads the volumes of a scene, one per entry, in order. Relative paths start at `base`, usually
 /// the folder of the scene's file. The warnings tell what was converted, guessed or ignored, and
 /// how many values are absent.
@@ -86,6 +91,14 @@ pub enum LoadError {
 /// # Errors
 /// [`LoadError`] for the first volume that cannot be had.
 pub fn load(scene: &Scene, base: impl AsRef<Path>) -> Result<(Vec<Arc<Volume>>, Vec<Warning>), LoadError> {
+    // What cannot be had is known before any file is read.
+    for (k, entry) in scene.volumes.iter().enumerate() {
+        match &entry.source {
+            Source::Sample(sample) => drop(field_of(k, sample)?),
+            Source::Memory(Held(None)) => return Err(LoadError::Absent { volume: k }),
+            _ => {}
+        }
+    }
     let mut warnings = Vec::new();
     let mut volumes = Vec::with_capacity(scene.volumes.len());
     for (k, entry) in scene.volumes.iter().enumerate() {
@@ -104,7 +117,11 @@ pub fn load(scene: &Scene, base: impl AsRef<Path>) -> Result<(Vec<Arc<Volume>>, 
             }
             Source::Sample(sample) => sampled(k, sample)?,
             Source::Model(model) => modelled(k, model, base.as_ref())?,
-            Source::Memory => return Err(LoadError::Absent { volume: k }),
+            Source::Memory(Held(None)) => return Err(LoadError::Absent { volume: k }),
+            Source::Memory(Held(Some(volume))) => {
+                volumes.push(volume.clone());
+                continue;
+            }
         };
         volumes.push(Arc::new(volume));
     }
@@ -151,12 +168,16 @@ fn read(path: &Path, options: &ReadOptions, warnings: &mut Vec<Warning>) -> Resu
     Ok(loaded.volume)
 }
 
-fn sampled(volume: usize, sample: &SampleSource) -> Result<Volume, LoadError> {
-    let field = closed_form::by_name(&sample.name).ok_or_else(|| LoadError::UnknownSample {
+fn field_of(volume: usize, sample: &SampleSource) -> Result<Box<dyn ScalarField>, LoadError> {
+    closed_form::by_name(&sample.name).ok_or_else(|| LoadError::UnknownSample {
         volume,
         found: sample.name.clone(),
         known: closed_form::names().collect::<Vec<_>>().join(", "),
-    })?;
+    })
+}
+
+fn sampled(volume: usize, sample: &SampleSource) -> Result<Volume, LoadError> {
+    let field = field_of(volume, sample)?;
     let about = field.about();
     let dims = sample.dims.unwrap_or(about.dims);
     let voxel_type = sample.voxel_type.unwrap_or(about.voxel_type);

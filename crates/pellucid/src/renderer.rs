@@ -271,7 +271,7 @@ impl Renderer {
             }
             #[cfg(feature = "gpu")]
             Engine::Cpu(_) => {
-                let choice = |why| Choice { setting: "backend", chosen: format!("cpu, as there is {why}") };
+                let choice = |why| Choice::new("backend", "cpu", format!("cpu, as there is {why}"));
                 Ok(self.without_gpu.iter().map(choice).collect())
             }
             #[cfg(feature = "gpu")]
@@ -285,12 +285,12 @@ impl Renderer {
                 };
                 let plan = match planned {
                     Ok(plan) => plan,
-                    Err(why) => return Ok(vec![Choice { setting: "backend", chosen: format!("cpu, as {why}") }]),
+                    Err(why) => return Ok(vec![Choice::new("backend", "cpu", format!("cpu, as {why}"))]),
                 };
                 let (device, interpolation) = (gpu.device(), gpu.interpolation());
                 let chosen = format!("{}; {}; {interpolation} interpolation", device.adapter, device.capabilities);
-                let memory = Choice { setting: "graphics memory", chosen: plan.to_string() };
-                Ok(vec![Choice { setting: "backend", chosen }, memory])
+                let memory = Choice::new("graphics memory", plan.total(), plan.to_string());
+                Ok(vec![Choice::new("backend", device.adapter.name.as_str(), chosen), memory])
             }
         }
     }

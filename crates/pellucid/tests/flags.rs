@@ -292,7 +292,7 @@ fn defaults_in_the_help_are_those_of_the_code() {
         let text = after.rsplit_once("[default: ").unwrap_or_else(|| panic!("{flag} has no default in {after}")).1;
         text.split(']').next().unwrap().to_owned()
     };
-    let scene: Value = serde_json::to_value(pellucid::scene::Scene::of(pellucid::scene::Source::Memory)).unwrap();
+    let scene: Value = serde_json::to_value(pellucid::scene::Scene::of(pellucid::scene::Source::memory())).unwrap();
     for (flag, pointer) in [
         ("--exposure", "/image/exposure"),
         ("--encoding", "/image/encoding"),

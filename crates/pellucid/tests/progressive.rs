@@ -23,7 +23,7 @@ fn white_box(from: f64, opacity: f32, side: u32, edit: impl FnOnce(&mut Scene)) 
     let opacities = [(from, 0.0), (from, opacity)];
     let opacities = opacities.map(|(value, opacity)| OpacityPoint { value, opacity, interpolation }).to_vec();
     let tf = TransferFunction::new(colors, opacities).unwrap().with_unit_distance(Some(1.0)).unwrap();
-    let mut scene = Scene::of(Source::Memory);
+    let mut scene = Scene::of(Source::memory());
     scene.volumes[0].transfer_function = Some(tf);
     scene.volumes[0].shading = Some(false);
     scene.camera = Camera {
@@ -221,7 +221,7 @@ fn a_preview_of_what_is_the_same_everywhere_is_the_full_picture() {
 
 #[test]
 fn a_new_view_starts_again() {
-    let scene = Scene::of(Source::Memory);
+    let scene = Scene::of(Source::memory());
     let stage = head(|_| {});
     let other = stage.viewpoint.turned(stage.viewpoint.up, 40.0);
     let mut progressive = Progressive::new(renderer(), stage.clone()).with_preview(Some(Duration::ZERO));

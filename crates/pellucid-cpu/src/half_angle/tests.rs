@@ -67,7 +67,7 @@ fn stage(dims: [usize; 3], value: impl Fn(DVec3) -> f64, opacity: f32, light: Li
     let point = |value, opacity| OpacityPoint { value, opacity, interpolation: Interpolation::Linear };
     let white = vec![ColorPoint::new(0.0, Color::WHITE)];
     let tf = TransferFunction::new(white, vec![point(0.0, 0.0), point(1.0, opacity)]).unwrap();
-    let mut scene = Scene::of(Source::Memory);
+    let mut scene = Scene::of(Source::memory());
     scene.volumes[0].transfer_function = Some(tf.with_unit_distance(Some(1.0)).unwrap());
     scene.volumes[0].shading = Some(false);
     scene.camera.view =

@@ -231,7 +231,7 @@ mod tests {
         let opacities = opacities.map(|v| OpacityPoint::new(v, -(-dense * v as f32).exp_m1())).collect();
         let tf = TransferFunction::new(vec![ColorPoint::new(0.0, Color::WHITE)], opacities).unwrap();
         let tf = tf.with_unit_distance(Some(1.0)).unwrap();
-        let entry = VolumeEntry { transfer_function: Some(tf), ..VolumeEntry::new(Source::Memory) };
+        let entry = VolumeEntry { transfer_function: Some(tf), ..VolumeEntry::new(Source::memory()) };
         let scene = Scene { volumes: vec![entry], ..Scene::default() };
         let (stage, _) = scene.resolve(&[volume]).unwrap();
         let volume = &stage.volumes[0];

@@ -46,7 +46,7 @@ pub fn unit_volume(dims: [usize; 3], value: impl Fn(DVec3) -> f64) -> Volume {
 
 /// A 16 x 16 orthographic picture along +y, unlit; edited before it is resolved.
 pub fn stage(volume: Volume, tf: TransferFunction, edit: impl FnOnce(&mut Scene)) -> Stage {
-    let mut scene = Scene::of(Source::Memory);
+    let mut scene = Scene::of(Source::memory());
     scene.volumes[0].transfer_function = Some(tf);
     scene.volumes[0].shading = Some(false);
     scene.camera = Camera {

@@ -36,6 +36,8 @@ pub fn sample_field(field: &dyn ScalarField, dims: [usize; 3], voxel_type: Voxel
     let mut volume = Volume::new(grid, voxels)?.with_value_map(map)?.with_name(about.name);
     volume.value_unit = about.value_unit.map(str::to_owned);
     volume.length_unit = about.length_unit.map(str::to_owned);
+    // Only fields of patients are in their millimetres.
+    volume.is_anatomical = about.length_unit == Some("mm");
     Ok(volume)
 }
 

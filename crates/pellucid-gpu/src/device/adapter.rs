@@ -13,6 +13,8 @@ pub enum AdapterChoice {
     /// The best that is real hardware: dedicated before integrated before virtual.
     #[default]
     Hardware,
+    /// The best there is, a driver that runs on the processor if there is no hardware.
+    Any,
     /// A driver that runs on the processor.
     Software,
     /// The first whose description has this text in it, whatever the case.
@@ -88,12 +90,16 @@ pub(crate) fn choose(choice: &AdapterChoice) -> Result<(wgpu::Adapter, AdapterSu
     let listed: Vec<String> = found.iter().map(|(_, summary)| summary.to_string()).collect();
     let fits = |summary: &AdapterSummary| match choice {
         AdapterChoice::Hardware => !summary.is_software(),
+        AdapterChoice::Any => true,
         AdapterChoice::Software => summary.is_software(),
         AdapterChoice::Named(text) => summary.to_string().to_lowercase().contains(&text.to_lowercase()),
     };
     found.into_iter().find(|(_, summary)| fits(summary)).ok_or_else(|| GpuError::Adapter {
         wanted: match choice {
             AdapterChoice::Hardware => "that is hardware".to_owned(),
+            AdapterChoice::Any => {
+                "at all (Debian: mesa-vulkan-drivers brings one that runs on the processor)".to_owned()
+            }
             AdapterChoice::Software => "that runs on the processor (Debian: mesa-vulkan-drivers)".to_owned(),
             AdapterChoice::Named(text) => format!("called '{text}'"),
         },

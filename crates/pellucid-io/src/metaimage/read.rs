@@ -142,6 +142,7 @@ pub(crate) fn describe(source: &Source, options: &ReadOptions) -> Result<Descrip
         value_map,
         value_unit: None,
         length_unit: (frame == Frame::Lps).then(|| "mm".to_owned()),
+        is_anatomical: frame.is_anatomical(),
         payload: Payload {
             header: path.clone(),
             parts,

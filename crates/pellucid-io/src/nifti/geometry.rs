@@ -16,9 +16,9 @@ fn millimetres_per_unit(xyzt_units: i32) -> Option<f64> {
     }
 }
 
-/// Where the voxels are and whether that is in millimetres. The s-form counts before the q-form;
+/// Where the voxels are, whether that is in millimetres, and whether sides are known. The s-form counts before the q-form;
 /// without either, the standard's method 1 knows the size of voxels, but neither side nor place.
-pub(super) fn world_from_index(header: &Header, warnings: &mut Vec<Warning>) -> (DAffine3, bool) {
+pub(super) fn world_from_index(header: &Header, warnings: &mut Vec<Warning>) -> (DAffine3, bool, bool) {
     let (affine, frame) = if header.sform_code > 0 {
         let row = |k: usize| header.srow[k];
         let column = |k: usize| DVec3::new(row(0)[k], row(1)[k], row(2)[k]);
@@ -40,7 +40,7 @@ pub(super) fn world_from_index(header: &Header, warnings: &mut Vec<Warning>) -> 
         }
     };
     let scale = millimetres_per_unit(header.xyzt_units);
-    (to_world(affine, frame, scale.unwrap_or(1.0)), scale.is_some())
+    (to_world(affine, frame, scale.unwrap_or(1.0)), scale.is_some(), frame.is_anatomical())
 }
 
 fn voxel_size(header: &Header, axis: usize, warnings: &mut Vec<Warning>) -> f64 {

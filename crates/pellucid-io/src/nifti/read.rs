@@ -42,7 +42,7 @@ pub(crate) fn describe(source: &Source, options: &ReadOptions) -> Result<Descrip
     let voxels = [x, y, z].into_iter().try_fold(components as u64, |product, n| product.checked_mul(n as u64));
     let count = voxels.ok_or_else(|| IoError::Memory { path: path.clone(), bytes: u64::MAX })?;
     let frame = choose_time(path, frames as u64, options, &mut warnings)?;
-    let (world_from_index, in_millimetres) = world_from_index(&header, &mut warnings);
+    let (world_from_index, in_millimetres, is_anatomical) = world_from_index(&header, &mut warnings);
     let (parts, encoding) = parts(source, &header);
     Ok(Description {
         dims: [x, y, z],
@@ -51,6 +51,7 @@ pub(crate) fn describe(source: &Source, options: &ReadOptions) -> Result<Descrip
         value_map: value_map(&header, packed, &mut warnings),
         value_unit: None,
         length_unit: in_millimetres.then(|| "mm".to_owned()),
+        is_anatomical,
         payload: Payload {
             header: path.clone(),
             parts,

@@ -17,6 +17,8 @@ pub(super) struct Shape {
     pub frames: u64,
     pub world_from_index: DAffine3,
     pub length_unit: Option<String>,
+    /// Whether the space is a patient's.
+    pub is_anatomical: bool,
 }
 
 /// What an axis of the array runs along.
@@ -72,7 +74,8 @@ impl Shape {
             let line = "the space is left-handed: z is mirrored to keep the shape of things in a right-handed world";
             warnings.push(Warning::File(line.to_owned()));
         }
-        Ok(Self { dims, components, planar, frames, world_from_index, length_unit: unit })
+        let is_anatomical = space.frame.is_anatomical();
+        Ok(Self { dims, components, planar, frames, world_from_index, length_unit: unit, is_anatomical })
     }
 }
 

@@ -45,6 +45,7 @@ pub(crate) fn describe(source: &Source, options: &ReadOptions) -> Result<Descrip
         value_map,
         value_unit: value_unit.filter(|unit| !unit.is_empty()),
         length_unit: shape.length_unit,
+        is_anatomical: shape.is_anatomical,
         payload: Payload {
             header: source.path.clone(),
             parts,

@@ -77,7 +77,7 @@ pub enum LightCorrection {
     /// What the half of the slice takes that it has crossed: errors fall with the square of the step (K-06b).
     #[default]
     HalfSlab,
-    /// Nothing, as in the book: slices are lit by what reaches their front, always too brightly; errors fall
+    /// Nothing, as in the classical method: slices are lit by what reaches their front, always too brightly; errors fall
     /// with the step (6.1-4).
     None,
 }

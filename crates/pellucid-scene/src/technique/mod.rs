@@ -20,12 +20,12 @@ pub use slicing::{BlendOrder, ColorWeight, Correction, Proxy, SliceGeometry, Sli
 pub enum Technique {
     /// One ray per pixel through the volume (chapter 7).
     RayCast(RayCast),
-    /// Slices through the volume, blended in their order (chapter 3). On graphics processors.
+    /// Slices through the volume, blended in their order (chapter 3). On graphics processors only.
     Slicing(Slicing),
-    /// Slices halfway between light and eye, through which light travels (section 6.3). On the processor.
+    /// Slices halfway between light and eye, through which light travels (section 6.3).
     HalfAngle(HalfAngle),
     /// Random paths of light through the volume, with all their scatterings: what other techniques
-    /// approximate. On the processor.
+    /// approximate.
     PathTrace(PathTrace),
 }
 

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use pellucid::field::Volume;
 use pellucid::io::{PngPixels, Transfer, write_png};
 use pellucid::load;
-use pellucid::scene::{Frame, ImageSettings, Scene};
+use pellucid::scene::{Frame, ImageSettings, Scene, meant};
 use serde_json::{Value, json};
 
 use super::bench::{Meter, Plan, still};
@@ -103,8 +103,13 @@ impl FromStr for Rendition {
         let shadows = SHADOWS.map(|(name, settings)| (name, Kind::Rays, settings));
         let known = TECHNIQUES.map(|(name, kind)| (name, kind, "")).into_iter().chain(shadows);
         let found = known.clone().find(|(known, ..)| *known == name);
-        let names = || known.map(|(name, ..)| name).collect::<Vec<_>>().join(", ");
-        let (_, technique, settings) = found.ok_or_else(|| format!("'{name}' is none of {}", names()))?;
+        let unknown = || {
+            let names: Vec<&str> = known.map(|(name, ..)| name).collect();
+            let pointer = meant(name, names.iter().copied());
+            let pointer = pointer.map_or_else(String::new, |name| format!(", did you mean {name}?"));
+            format!("'{name}' is none of {}{pointer}", names.join(", "))
+        };
+        let (_, technique, settings) = found.ok_or_else(unknown)?;
         let backend = |place: &str| {
             let found = BACKENDS.iter().find(|(known, _)| *known == place);
             found.map(|(_, backend)| *backend).ok_or_else(|| format!("'{place}' is none of auto, cpu, gpu"))
@@ -134,12 +139,16 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     let base = args.input.open(&args.raw)?;
     let scene = args.scene.apply(&base.scene)?;
     render::affordable(&scene.image, 1)?;
+    let idle = args.engine.check()?;
+    render::drawable(&scene, &base)?;
     if let Some(path) = &args.output {
         output::writable(path)?;
     }
     let (volumes, warnings) = load(&scene, &base.folder)?;
-    let Staged { scene, choices, .. } = args.scene.stage(&base, scene, &volumes)?;
-    let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    let Staged { scene, choices, warnings: of_settings, .. } = args.scene.stage(&base, scene, &volumes)?;
+    let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    warnings.extend(idle);
+    warnings.extend(of_settings);
     report.opening(&volumes, &choices, &warnings);
     let mut drawn: Vec<Drawn> = Vec::new();
     for rendition in args.renditions() {
@@ -191,7 +200,7 @@ fn draw(
         scene.technique = technique.like(&scene.technique);
     }
     let scene = set::apply(&scene, &rendition.settings.0)?;
-    let mut meter = Meter::new(plan)?;
+    let mut meter = Meter::new(Plan { engine: plan.engine.suited_to(&scene.technique), ..plan })?;
     let (timing, frame): (_, Frame) = still(&scene, volumes, &mut meter)?;
     let rgba = frame.to_rgba8(&scene.image);
     let error = reference.map_or_else(|| Difference::between(&rgba, &rgba), |of| Difference::between(&of.rgba, &rgba));

@@ -4,7 +4,7 @@ use clap::CommandFactory;
 use clap_complete::Shell;
 
 use super::failure::Failure;
-use super::report::print;
+use super::report::print_as_is;
 
 #[derive(clap::Args)]
 pub struct CompletionsArgs {
@@ -15,5 +15,5 @@ pub struct CompletionsArgs {
 pub fn run(args: &CompletionsArgs) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut super::Cli::command(), "pellucid", &mut script);
-    print(&String::from_utf8_lossy(&script))
+    print_as_is(&script)
 }

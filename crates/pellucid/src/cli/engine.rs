@@ -4,8 +4,10 @@ use std::num::NonZero;
 
 use pellucid::field::{Threads, thread_count};
 use pellucid::gpu::{AdapterChoice, Ceiling, GpuError, GpuRenderer, Interpolation, Passes};
+use pellucid::scene::Technique;
 use pellucid::{Backend, CpuRenderer, InstructionSet, RenderError, Renderer};
 
+use super::failure::Failure;
 use super::values;
 
 /// Backends by name.
@@ -32,26 +34,29 @@ pub fn cores() -> u16 {
 pub struct Engine {
     /// What draws
     ///
-    /// auto takes graphics hardware where there is some, and the processor otherwise.
+    /// auto takes graphics hardware where there is some, and the processor otherwise. gpu takes the best
+    /// adapter there is, one that runs on the processor if there is no hardware, as auto does for slices,
+    /// which the processor does not draw.
     #[arg(long, value_name = "BACKEND", value_parser = values::word(&BACKENDS), default_value = "auto")]
     backend: Backend,
     /// Threads to draw with, 1 to 1024; the picture is the same for any number [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_THREADS)))]
     threads: Option<u16>,
-    /// Processor instructions to draw with; the picture depends on them by roundings only
-    #[arg(long, value_name = "SET", value_parser = values::word(&SETS), default_value = "auto")]
-    simd: InstructionSet,
+    /// Processor instructions to draw with; the picture depends on them by roundings only [default: auto]
+    #[arg(long, value_name = "SET", value_parser = values::word(&SETS))]
+    simd: Option<InstructionSet>,
     /// Graphics adapter to draw with, by a part of its description; 'software' is one that runs on the
     /// processor. Implies --backend gpu [default: the best hardware]
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
     /// Between voxels on a graphics adapter: its texture unit, fast, or exactly as the processor does
-    #[arg(long, value_name = "HOW", value_parser = values::word(&INTERPOLATIONS), default_value = "hardware")]
-    interpolation: Interpolation,
+    /// [default: hardware]
+    #[arg(long, value_name = "HOW", value_parser = values::word(&INTERPOLATIONS))]
+    interpolation: Option<Interpolation>,
     /// Work on a graphics adapter: every ray to its end, or all rays for a while and then those that are
-    /// not done, so that no piece of work is long; the picture is the same
-    #[arg(long, value_name = "HOW", value_parser = values::word(&PASSES), default_value = "single")]
-    passes: Passes,
+    /// not done, so that no piece of work is long; the picture is the same [default: single]
+    #[arg(long, value_name = "HOW", value_parser = values::word(&PASSES))]
+    passes: Option<Passes>,
     /// Memory to use on a graphics adapter, in MiB; larger volumes are drawn brick by brick
     /// [default: all there is]
     #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..=1 << 24))]
@@ -59,6 +64,34 @@ pub struct Engine {
 }
 
 impl Engine {
+    /// Refuses flags that contradict the backend, and tells of those that do nothing on it.
+    pub fn check(&self) -> Result<Vec<String>, Failure> {
+        let of_adapters = [
+            (self.adapter.is_some(), "--adapter"),
+            (self.interpolation.is_some(), "--interpolation"),
+            (self.passes.is_some(), "--passes"),
+            (self.gpu_memory.is_some(), "--gpu-memory"),
+        ];
+        let of_processors = [(self.threads.is_some(), "--threads"), (self.simd.is_some(), "--simd")];
+        let named = |flags: &[(bool, &'static str)]| {
+            flags.iter().filter(|(given, _)| *given).map(|(_, flag)| *flag).collect::<Vec<_>>()
+        };
+        if let (Backend::Cpu, Some(flag)) = (self.backend, named(&of_adapters).first()) {
+            let message = format_args!("{flag} is about graphics adapters, and --backend cpu draws on the processor");
+            return Err(Failure::input(message).hint(format!("leave out {flag}, or --backend cpu")));
+        }
+        let processor_draws = self.backend != Backend::Gpu && self.adapter.is_none();
+        let idle = if processor_draws { Vec::new() } else { named(&of_processors) };
+        let tell = |flag| format!("{flag} has no effect: it is about the processor, and a graphics adapter draws");
+        Ok(idle.into_iter().map(tell).collect())
+    }
+
+    /// The same, on a graphics adapter of any kind where the choice is open and the processor lacks the technique.
+    pub fn suited_to(&self, technique: &Technique) -> Self {
+        let open = self.backend == Backend::Auto && self.adapter.is_none();
+        if open && matches!(technique, Technique::Slicing(_)) { self.on(Backend::Gpu) } else { self.clone() }
+    }
+
     /// The renderer asked for.
     pub fn renderer(&self) -> Result<Renderer, RenderError> {
         let renderer = self.backend()?;
@@ -74,7 +107,7 @@ impl Engine {
         if self.backend == Backend::Gpu || self.adapter.is_some() {
             return Ok(self.gpu()?.into());
         }
-        let cpu = CpuRenderer::new().with_instructions(self.simd)?;
+        let cpu = CpuRenderer::new().with_instructions(self.simd.unwrap_or(InstructionSet::Auto))?;
         let gpu = (self.backend == Backend::Auto).then(|| self.gpu()).transpose();
         Ok(match gpu {
             Ok(Some(gpu)) => Renderer::from(gpu).with_stand_in(cpu),
@@ -85,12 +118,15 @@ impl Engine {
 
     fn gpu(&self) -> Result<GpuRenderer, GpuError> {
         let choice = match self.adapter.as_deref() {
+            None if self.backend == Backend::Gpu => AdapterChoice::Any,
             None => AdapterChoice::Hardware,
             Some("software") => AdapterChoice::Software,
             Some(name) => AdapterChoice::Named(name.to_owned()),
         };
         let ceiling = Ceiling { memory: self.gpu_memory.map(|mib| mib << 20), ..Ceiling::default() };
-        Ok(GpuRenderer::new(&choice, &ceiling)?.with_interpolation(self.interpolation).with_passes(self.passes))
+        let interpolation = self.interpolation.unwrap_or(Interpolation::Hardware);
+        let passes = self.passes.unwrap_or(Passes::Single);
+        Ok(GpuRenderer::new(&choice, &ceiling)?.with_interpolation(interpolation).with_passes(passes))
     }
 
     /// The same with this backend.

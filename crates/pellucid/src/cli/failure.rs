@@ -4,6 +4,7 @@ use std::fmt;
 use std::io::ErrorKind;
 use std::path::Path;
 
+use pellucid::field::printable;
 use pellucid::gpu::GpuError;
 use pellucid::io::IoError;
 use pellucid::scene::ResolveError;
@@ -48,7 +49,7 @@ impl Failure {
 
     /// Adds what to do next.
     pub fn hint(self, hint: impl Into<String>) -> Self {
-        Self { hint: Some(hint.into()), ..self }
+        Self { hint: Some(one_line(&hint.into())), ..self }
     }
 
     /// A file that cannot be read: the input is wrong.
@@ -82,9 +83,9 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Messages of other crates may break lines.
+/// Messages of other crates may break lines, and what they quote of files may steer terminals.
 fn one_line(message: &str) -> String {
-    message.split_whitespace().collect::<Vec<_>>().join(" ")
+    printable(&message.split_whitespace().collect::<Vec<_>>().join(" ")).into_owned()
 }
 
 /// Reading: what is in the file, or that there is none, is the caller's input; the rest is not.
@@ -93,7 +94,8 @@ impl From<LoadError> for Failure {
         match &error {
             LoadError::Io(IoError::Memory { .. }) | LoadError::Memory { .. } => Self::work(&error),
             LoadError::Io(IoError::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {
-                Self::input(&error).hint("'sample:NAME' draws a built-in field; 'pellucid sample --list' lists them")
+                let hint = "the header or scene names it; names in them start at their own folder";
+                Self::input(&error).hint(hint)
             }
             LoadError::Io(IoError::Unsupported { what, .. }) if what.contains("format") => {
                 Self::input(&error).hint("a headerless file needs --dims and --type")

@@ -1,6 +1,6 @@
 //! A histogram in a terminal.
 
-use pellucid::field::Histogram;
+use pellucid::field::{Histogram, Short};
 
 /// Eighths of a character cell, from empty to full.
 const BLOCKS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
@@ -26,8 +26,7 @@ pub fn draw(histogram: &Histogram, width: usize, rows: usize) -> String {
         text.push('\n');
     }
     let (low, high) = histogram.range();
-    let (low, high) = (format!("{low:.6}"), format!("{high:.6}"));
-    let (low, high) = (trim_zeros(&low), trim_zeros(&high));
+    let (low, high) = (Short(low).to_string(), Short(high).to_string());
     let note = format!("log counts, most {most}");
     let gap = counts.len().saturating_sub(low.len() + high.len() + note.len());
     text.push_str(&format!("{low}{}{note}{}{high}\n", " ".repeat(gap / 2), " ".repeat(gap - gap / 2)));
@@ -40,10 +39,6 @@ fn gather(counts: &[u64], width: usize) -> Vec<u64> {
     let columns: Vec<u64> = counts.chunks(counts.len().div_ceil(width).max(1)).map(|bins| bins.iter().sum()).collect();
     let repeat = (width / columns.len().max(1)).max(1);
     columns.into_iter().flat_map(|count| std::iter::repeat_n(count, repeat)).collect()
-}
-
-fn trim_zeros(number: &str) -> &str {
-    if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number }
 }
 
 #[cfg(test)]

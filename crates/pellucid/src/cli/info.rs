@@ -1,10 +1,12 @@
 //! `pellucid info`.
 
 use std::fmt::Write;
+use std::sync::Arc;
 
-use pellucid::field::{Grid, Histogram, Volume, Warning};
+use pellucid::field::{Grid, Histogram, Short, Volume, Warning, printable};
 use pellucid::load;
-use pellucid::scene::{Choice, Scene, Source};
+use pellucid::optics::Scattering;
+use pellucid::scene::{Choice, Scene, VolumeEntry};
 use serde_json::{Value, json};
 
 use super::failure::Failure;
@@ -23,9 +25,9 @@ pub struct InfoArgs {
     /// Print one JSON array, an object per volume or adapter
     #[arg(long)]
     json: bool,
-    /// Component of the histogram and the automatic choices, from 0 [default: 0]
-    #[arg(long, value_name = "K", default_value_t = 0, hide_default_value = true)]
-    component: usize,
+    /// Component of the histogram and the automatic choices, from 0 [default: the scene's, else 0]
+    #[arg(long, value_name = "K")]
+    component: Option<usize>,
     #[command(flatten)]
     raw: RawFlags,
 }
@@ -38,8 +40,8 @@ pub fn run(args: &InfoArgs) -> Result<(), Failure> {
     for (k, input) in args.inputs.iter().enumerate() {
         let base = input.open(&args.raw)?;
         let (volumes, warnings) = load(&base.scene, &base.folder)?;
-        for volume in &volumes {
-            let about = About::new(volume, args.component, &warnings)?;
+        for (volume, entry) in volumes.iter().zip(&base.scene.volumes) {
+            let about = About::new(volume, entry, args.component, &warnings)?;
             if args.json {
                 objects.push(about.json());
             } else {
@@ -58,7 +60,8 @@ fn columns() -> usize {
 
 /// Everything there is to say of a volume.
 struct About<'v> {
-    volume: &'v Volume,
+    /// As it is drawn: with the spacing that a scene states.
+    volume: Arc<Volume>,
     histogram: Histogram,
     warnings: &'v [Warning],
     /// How a picture of the volume would make it look by itself.
@@ -66,23 +69,30 @@ struct About<'v> {
 }
 
 impl<'v> About<'v> {
-    fn new(volume: &'v std::sync::Arc<Volume>, component: usize, warnings: &'v [Warning]) -> Result<Self, Failure> {
-        let mut scene = Scene::of(Source::Memory);
-        scene.volumes.iter_mut().for_each(|entry| entry.component = Some(component));
-        let (_, mut choices) = scene.resolve(std::slice::from_ref(volume))?;
+    fn new(
+        volume: &Arc<Volume>,
+        entry: &VolumeEntry,
+        component: Option<usize>,
+        warnings: &'v [Warning],
+    ) -> Result<Self, Failure> {
+        let component = component.or(entry.component).unwrap_or_default();
+        let entry = VolumeEntry { component: Some(component), scattering: Scattering::default(), ..entry.clone() };
+        let scene = Scene { volumes: vec![entry], ..Scene::default() };
+        let (stage, mut choices) = scene.resolve(std::slice::from_ref(volume))?;
         choices.retain(|choice| choice.setting != "camera");
         let histogram = Histogram::of_levels(volume, component)
             .map_or_else(|| Histogram::new(volume, component, Histogram::BINS), Ok)
             .map_err(Failure::input)?;
+        let volume = stage.volumes.first().map_or_else(|| volume.clone(), |staged| staged.volume.clone());
         Ok(Self { volume, histogram, warnings, choices })
     }
 
     fn text(&self, columns: usize) -> String {
-        let (volume, grid) = (self.volume, self.volume.grid());
-        let mut text = format!("{}\n", volume.name);
+        let (volume, grid) = (&*self.volume, self.volume.grid());
+        let mut text = format!("{}\n", printable(&volume.name));
         let mut line = |label: &str, value: String| {
             // Writing to a string does not fail.
-            let _ = writeln!(text, "  {label:<15}{value}");
+            let _ = writeln!(text, "  {label:<15}{}", printable(&value));
         };
         let length = volume.length_unit.as_deref().map_or(String::new(), |unit| format!(" {unit}"));
         let data = volume.value_unit.as_deref().map_or(String::new(), |unit| format!(" {unit}"));
@@ -91,19 +101,23 @@ impl<'v> About<'v> {
         line("type", format!("{}, {}", volume.voxels().voxel_type(), components(volume.components())));
         let map = volume.value_map();
         if (map.scale, map.offset) != (1.0, 0.0) {
-            line("values are", format!("stored * {} + {}", map.scale, map.offset));
+            line("values are", format!("stored * {} + {}", Short(map.scale), Short(map.offset)));
         }
         line("spacing", format!("{}{length}", triple(grid.spacing(), " x ")));
         line("size", format!("{}{length}", triple(extent(grid), " x ")));
         line("origin", format!("{}{length}", triple(grid.world_from_index().translation.to_array(), ", ")));
-        line("axes point", format!("{} (left, posterior, superior are +x, +y, +z)", orientation(grid)));
+        if volume.is_anatomical {
+            line("axes point", format!("{} (left, posterior, superior are +x, +y, +z)", orientation(grid)));
+        } else {
+            line("axes point", "where the file does not say: the sides of the data are not known".into());
+        }
         let counts = volume.statistics();
         let all = if volume.components() > 1 { ", all components" } else { "" };
         if counts.finite == 0 {
             line("range", "none, as no value is finite".to_owned());
         } else {
-            line("range", format!("{} to {}{data}{all}", short(counts.min), short(counts.max)));
-            line("mean", format!("{}{data}{all}", short(counts.mean)));
+            line("range", format!("{} to {}{data}{all}", Short(counts.min), Short(counts.max)));
+            line("mean", format!("{}{data}{all}", Short(counts.mean)));
         }
         if counts.nan + counts.infinite > 0 {
             line("absent", format!("{} NaN, {} infinite", counts.nan, counts.infinite));
@@ -114,7 +128,7 @@ impl<'v> About<'v> {
     }
 
     fn json(&self) -> Value {
-        let (volume, grid) = (self.volume, self.volume.grid());
+        let (volume, grid) = (&*self.volume, self.volume.grid());
         let counts = volume.statistics();
         let affine = grid.world_from_index();
         json!({
@@ -128,7 +142,7 @@ impl<'v> About<'v> {
             "spacing": grid.spacing(),
             "size": extent(grid),
             "origin": affine.translation.to_array(),
-            "orientation": orientation(grid),
+            "orientation": volume.is_anatomical.then(|| orientation(grid)),
             "world_from_index": affine.to_cols_array_2d(),
             "min": (counts.finite > 0).then_some(counts.min),
             "max": (counts.finite > 0).then_some(counts.max),
@@ -148,7 +162,10 @@ impl<'v> About<'v> {
 
 /// Choices as JSON, in the order they were made.
 pub fn choices_json(choices: &[Choice]) -> Vec<Value> {
-    choices.iter().map(|choice| json!({ "setting": choice.setting, "chosen": choice.chosen })).collect()
+    choices
+        .iter()
+        .map(|choice| json!({ "setting": choice.setting, "chosen": choice.chosen, "value": choice.value }))
+        .collect()
 }
 
 fn components(n: usize) -> String {
@@ -156,16 +173,7 @@ fn components(n: usize) -> String {
 }
 
 fn triple(v: [f64; 3], between: &str) -> String {
-    v.map(short).join(between)
-}
-
-/// Whole numbers as they are, others with the 7 digits of single precision.
-fn short(v: f64) -> String {
-    if v.fract() == 0.0 {
-        v.to_string()
-    } else {
-        format!("{v:.6e}").parse().map_or(v.to_string(), |v: f64| v.to_string())
-    }
+    v.map(|v| Short(v).to_string()).join(between)
 }
 
 /// Length of the grid's edges in world units, from outermost sample to outermost sample.

@@ -2,10 +2,12 @@
 
 use std::convert::Infallible;
 use std::fmt;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use pellucid::field::VoxelType;
+use pellucid::field::{VoxelType, closed_form, nearest};
+use pellucid::io::Format as VolumeFormat;
 use pellucid::scene::{Format, SampleSource, Scene, Source};
 
 use super::failure::Failure;
@@ -85,9 +87,13 @@ impl Input {
                 sample.voxel_type = raw.voxel_type;
                 Ok(here(Source::Sample(sample)))
             }
-            Self::Volume(path) => Ok(here(raw.source(path)?)),
+            Self::Volume(path) => {
+                is_file(path)?;
+                Ok(here(raw.source(path)?))
+            }
             Self::Scene(path, format) => {
                 raw.not_for_scenes()?;
+                is_file(path)?;
                 let text = std::fs::read_to_string(path).map_err(Failure::reading(path))?;
                 let scene = Scene::parse(&text, *format)
                     .map_err(|error| Failure::input(format_args!("{}: {error}", path.display())))
@@ -95,6 +101,40 @@ impl Input {
                 Ok(Base { scene, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
             }
         }
+    }
+}
+
+/// Refuses a name that is no file's, with what may be meant.
+fn is_file(path: &Path) -> Result<(), Failure> {
+    let named = path.display();
+    if path.is_dir() {
+        let mut files: Vec<String> = std::fs::read_dir(path)
+            .map_err(Failure::reading(path))?
+            .filter_map(|entry| Some(entry.ok()?.path()))
+            .filter(|file| VolumeFormat::from_extension(file).is_some() || Format::of(file).is_some())
+            .map(|file| file.display().to_string())
+            .collect();
+        files.sort();
+        let hint = match files.as_slice() {
+            [] => {
+                "name a volume file or a scene; slices of a series are read once another program has put them into one"
+                    .to_owned()
+            }
+            [file] => format!("the file to draw in it is {file}"),
+            [first, ..] => format!("name one of the {} files to draw in it, as {first}", files.len()),
+        };
+        return Err(Failure::input(format_args!("{named}: this is a folder, and a file is expected")).hint(hint));
+    }
+    match std::fs::metadata(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            let name = path.to_string_lossy();
+            let failure = Failure::reading(path)(error);
+            Err(match nearest(&name, closed_form::names()) {
+                Some(sample) => failure.hint(format!("'sample:{sample}' draws the built-in field of that name")),
+                None => failure.hint("'sample:NAME' draws a built-in field; 'pellucid sample --list' lists them"),
+            })
+        }
+        _ => Ok(()),
     }
 }
 

@@ -9,7 +9,7 @@ use super::report::{print, print_json};
 
 #[derive(clap::Args)]
 pub struct PresetsArgs {
-    /// Show this preset in full
+    /// Print this preset in full, as a file that render --transfer-function takes
     #[arg(conflicts_with_all = ["colormaps", "opacities"])]
     name: Option<String>,
     /// List the colour maps instead
@@ -52,5 +52,7 @@ fn show(preset: &Preset, as_json: bool) -> Result<(), Failure> {
         Scale::Relative => "values as parts of the window, 0 to 1".into(),
     };
     let text = toml::to_string(preset).map_err(Failure::work)?;
-    print(&format!("# {}\n{text}", unit))
+    print(&format!(
+        "# To be changed at will; save it and give it to: render DATA --transfer-function FILE.toml\n# {unit}\n{text}"
+    ))
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use pellucid::field::memory;
 use pellucid::io::IoError;
 use pellucid::scene::{Cancel, Control, Format, Frame, ImageSettings, Scene, Source, Stage};
-use pellucid::{PngDepth, Progressive, Renderer, load, save_exr, save_png};
+use pellucid::{PngDepth, Progressive, Renderer, load, load_optics, save_exr, save_png};
 use serde_json::{Value, json};
 
 use super::engine::Engine;
@@ -65,9 +65,9 @@ struct OutputFlags {
     /// and samples per pixel as further layers
     #[arg(short, long, value_name = "FILE", required_unless_present = "save_scene")]
     output: Option<PathBuf>,
-    /// Bits per channel of a .png
-    #[arg(long, value_name = "BITS", value_parser = values::word(&DEPTHS), default_value = "8")]
-    bits: PngDepth,
+    /// Bits per channel of a .png [default: 8]
+    #[arg(long, value_name = "BITS", value_parser = values::word(&DEPTHS))]
+    bits: Option<PngDepth>,
     /// Also write all layers, as an .exr output has them, to this .exr
     #[arg(long, value_name = "FILE.exr", requires = "output")]
     aux: Option<PathBuf>,
@@ -99,13 +99,17 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let scene = args.scene.apply(&base.scene)?;
     args.output.check()?;
     affordable(&scene.image, if args.accumulate > 1 { 2 } else { 1 })?;
+    let mut idle = args.engine.check()?;
+    idle.extend(args.output.idle());
+    drawable(&scene, &base)?;
 
     let started = Instant::now();
     let (volumes, warnings) = load(&scene, &base.folder)?;
     let load_seconds = started.elapsed().as_secs_f64();
-    let Staged { scene, stage, mut choices } = args.scene.stage(&base, scene, &volumes)?;
+    let Staged { scene, stage, mut choices, warnings: of_settings } = args.scene.stage(&base, scene, &volumes)?;
     let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-    warnings.extend_from_slice(args.scene.warnings());
+    warnings.extend(idle);
+    warnings.extend(of_settings);
     report.opening(&volumes, &choices, &warnings);
     if let Some(path) = &args.output.save_scene {
         save_scene(path, &scene.settled(&volumes)?, &base)?;
@@ -114,7 +118,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let Some(output) = &args.output.output else { return Ok(()) };
 
     let (frame, backend) = interrupt::gracefully(|| {
-        let mut renderer = args.engine.renderer()?;
+        let mut renderer = args.engine.suited_to(&scene.technique).renderer()?;
         let backend = renderer.describe();
         let engine = renderer.choices(&stage)?;
         engine.iter().for_each(|choice| report.say(choice));
@@ -187,14 +191,33 @@ impl OutputFlags {
         self.output.iter().chain(&self.aux).chain(&self.save_scene).try_for_each(|path| output::writable(path))
     }
 
+    /// What is asked of a .png that is not written.
+    fn idle(&self) -> Option<String> {
+        let is_png = self.output.as_ref().is_some_and(|path| has_extension(path, "png"));
+        let idle = self.bits.is_some() && !is_png;
+        idle.then(|| "--bits has no effect: only a .png has bits to choose, an .exr holds floats".to_owned())
+    }
+
     fn save(&self, output: &Path, frame: &Frame, image: &ImageSettings) -> Result<(), IoError> {
         if has_extension(output, "png") {
-            save_png(output, frame, image, self.bits)?;
+            save_png(output, frame, image, self.bits.unwrap_or_default())?;
         } else {
             save_exr(output, frame, image)?;
         }
         self.aux.as_ref().map_or(Ok(()), |aux| save_exr(aux, frame, image))
     }
+}
+
+/// Refuses before any volume is loaded what could not be drawn after it: other numbers of volumes than backends draw,
+/// and optics that cannot be read.
+pub fn drawable(scene: &Scene, base: &Base) -> Result<(), Failure> {
+    if scene.volumes.len() != 1 {
+        let listed = scene.volumes.len();
+        return Err(Failure::input(format_args!(
+            "the scene lists {listed} volumes, and pictures are of one: keep one"
+        )));
+    }
+    Ok(load_optics(&mut scene.clone(), &base.folder)?)
 }
 
 /// Refuses a picture that does not fit into memory, where the drawing would be killed; `frames` are

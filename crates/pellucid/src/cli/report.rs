@@ -4,7 +4,7 @@ use std::fmt;
 use std::io::{ErrorKind, Write};
 use std::sync::Arc;
 
-use pellucid::field::Volume;
+use pellucid::field::{Short, Volume, printable};
 use pellucid::scene::Choice;
 
 use super::failure::Failure;
@@ -21,7 +21,8 @@ impl Report {
     pub fn say(&self, line: impl fmt::Display) {
         if !self.quiet {
             // If standard error is gone there is nobody to tell.
-            let _ = writeln!(std::io::stderr(), "pellucid: {line}");
+            let line = line.to_string();
+            let _ = writeln!(std::io::stderr(), "pellucid: {}", printable(&line));
         }
     }
 
@@ -41,16 +42,22 @@ impl Report {
 fn describe(volume: &Volume) -> String {
     let grid = volume.grid();
     let [x, y, z] = grid.dims();
-    let [sx, sy, sz] = grid.spacing();
+    let [sx, sy, sz] = grid.spacing().map(Short);
     let unit = volume.length_unit.as_deref().unwrap_or("world units");
     let voxel_type = volume.voxels().voxel_type();
-    format!("{}: {x}x{y}x{z} {voxel_type}, spacing {sx:.4} x {sy:.4} x {sz:.4} {unit}", volume.name)
+    format!("{}: {x}x{y}x{z} {voxel_type}, spacing {sx} x {sy} x {sz} {unit}", volume.name)
 }
 
-/// Prints a result to standard output. A reader that has seen enough (`| head`) is no failure.
+/// Prints a result to standard output.
 pub fn print(text: &str) -> Result<(), Failure> {
+    let lines: Vec<_> = text.split('\n').map(printable).collect();
+    print_as_is(lines.join("\n").as_bytes())
+}
+
+/// Prints what nobody outside had a part in. A reader that has seen enough (`| head`) is no failure.
+pub fn print_as_is(bytes: &[u8]) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(bytes).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::work(format_args!("standard output: {error}")))
         }
@@ -58,7 +65,15 @@ pub fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Prints a result as JSON.
+/// Prints a result as JSON. What would steer a terminal and is no control character to JSON is escaped as well.
 pub fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
-    print(&format!("{value:#}\n"))
+    let mut text = String::new();
+    for c in format!("{value:#}\n").chars() {
+        if c == '\n' || printable(c.encode_utf8(&mut [0; 4])) != "?" || c == '?' {
+            text.push(c);
+        } else {
+            text.push_str(&format!("\\u{:04x}", u32::from(c)));
+        }
+    }
+    print(&text)
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use pellucid::scene::{Scene, json_schema};
+use pellucid::scene::{Scene, json_schema, pointed};
 use serde_json::{Map, Value};
 
 use super::failure::Failure;
@@ -92,7 +92,7 @@ pub fn apply(scene: &Scene, settings: &[Setting]) -> Result<Scene, Failure> {
             setting.write(&mut document, &schema)?;
         }
         scene = serde_path_to_error::deserialize(document).map_err(|error| {
-            Failure::input(format_args!("--set {}: {}", error.path(), error.inner()))
+            Failure::input(format_args!("--set {}: {}", error.path(), pointed(&error.inner().to_string())))
                 .hint("'pellucid schema' prints every path and what it takes")
         })?;
     }

@@ -1,8 +1,13 @@
 //! Values of flags as people write them.
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use std::ffi::OsStr;
+
+use clap::builder::{PossibleValue, TypedValueParser};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{Arg, Command};
 use pellucid::field::VoxelType;
 use pellucid::optics::Color;
+use pellucid::scene::meant;
 
 /// A finite number.
 pub fn number(text: &str) -> Result<f64, String> {
@@ -22,11 +27,19 @@ pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     list.try_into().map_err(|_| format!("expected {N} numbers with commas between them, found {found}"))
 }
 
-/// `N` whole numbers with an x between them, as `1024x768`.
+/// `N` whole numbers with an x or a comma between them, as `1024x768`.
 fn product<const N: usize>(text: &str) -> Result<[usize; N], String> {
-    let list = text.split(['x', 'X']).map(|n| n.parse().ok()).collect::<Option<Vec<usize>>>();
+    let list = text.split(SEPARATORS).map(|n| n.trim().parse().ok()).collect::<Option<Vec<usize>>>();
     list.and_then(|list| list.try_into().ok())
         .ok_or_else(|| format!("expected {N} whole numbers with an x between them, as {}", ["128"; N].join("x")))
+}
+
+/// What stands between sizes along axes.
+const SEPARATORS: [char; 3] = ['x', 'X', ','];
+
+/// Lengths along the axes: `1x1x2.5` or `1,1,2.5`.
+pub fn lengths(text: &str) -> Result<[f64; 3], String> {
+    numbers(&text.replace(SEPARATORS, ","))
 }
 
 /// Voxels per axis: `256x256x113`.
@@ -50,14 +63,10 @@ pub fn switch(text: &str) -> Result<bool, String> {
     }
 }
 
-/// A colour: `#rrggbb`, or without the sign, which shells take for a comment.
+/// A colour by its name, or as `#rrggbb`, also without the sign, which shells take for a comment.
 pub fn color(text: &str) -> Result<Color, String> {
-    match text {
-        "black" => Ok(Color::BLACK),
-        "white" => Ok(Color::WHITE),
-        _ => Color::parse(&format!("#{}", text.trim_start_matches('#')))
-            .map_err(|_| format!("'{text}' is not a colour: expected #rrggbb, black or white")),
-    }
+    let text = text.trim();
+    Color::parse(text).or_else(|error| Color::parse(&format!("#{text}")).map_err(|_| error.to_string()))
 }
 
 /// A voxel type by its short name.
@@ -80,10 +89,59 @@ pub fn word<T>(words: &'static [(&'static str, T)]) -> impl TypedValueParser<Val
 where
     T: Clone + Send + Sync + 'static,
 {
-    PossibleValuesParser::new(words.iter().map(|(word, _)| *word)).try_map(|found| {
-        let meant = words.iter().find(|(word, _)| *word == found).map(|(_, meaning)| meaning.clone());
-        meant.ok_or_else(|| format!("'{found}' is not in the list"))
-    })
+    word_or(words, &[])
+}
+
+/// [`word`], with words that are looked for there and meant elsewhere, each with where.
+pub fn word_or<T>(
+    words: &'static [(&'static str, T)],
+    elsewhere: &'static [(&'static str, &'static str)],
+) -> impl TypedValueParser<Value = T>
+where
+    T: Clone + Send + Sync + 'static,
+{
+    Words { words, elsewhere }
+}
+
+/// Parses words; unlike clap's own list it knows what others call them.
+#[derive(Clone)]
+struct Words<T: 'static> {
+    words: &'static [(&'static str, T)],
+    elsewhere: &'static [(&'static str, &'static str)],
+}
+
+impl<T: Clone + Send + Sync + 'static> TypedValueParser for Words<T> {
+    type Value = T;
+
+    fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<T, clap::Error> {
+        let found = value.to_string_lossy();
+        if let Some((_, meaning)) = self.words.iter().find(|(word, _)| *word == found) {
+            return Ok(meaning.clone());
+        }
+        let known = || self.words.iter().map(|(word, _)| *word);
+        let mut error = clap::Error::new(ErrorKind::InvalidValue).with_cmd(command);
+        if let Some(arg) = arg {
+            error.insert(ContextKind::InvalidArg, ContextValue::String(arg.to_string()));
+        }
+        error.insert(ContextKind::InvalidValue, ContextValue::String(found.to_string()));
+        error.insert(ContextKind::ValidValue, ContextValue::Strings(known().map(str::to_owned).collect()));
+        // What others call a thing of elsewhere leads there, too.
+        let names = self.elsewhere.iter().map(|(word, _)| *word);
+        let all: Vec<&str> = known().chain(names).collect();
+        if let Some(meant) = meant(&found, all) {
+            match self.elsewhere.iter().find(|(name, _)| *name == meant) {
+                Some((_, place)) => {
+                    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![(*place).into()]))
+                }
+                None => error.insert(ContextKind::SuggestedValue, ContextValue::String(meant.to_owned())),
+            };
+        }
+        Err(error)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(self.words.iter().map(|(word, _)| PossibleValue::new(*word))))
+    }
 }
 
 #[cfg(test)]
@@ -107,12 +165,17 @@ mod tests {
             assert!(dims(bad).is_err(), "{bad}");
         }
         assert!(size("4294967296x1").is_err());
+        // Both marks everywhere where sizes along axes are meant.
+        assert_eq!((dims("8,8,32"), size("640,480")), (Ok([8, 8, 32]), Ok([640, 480])));
+        assert_eq!((lengths("1x1x2.5"), lengths("1, 1, 2.5e0")), (Ok([1.0, 1.0, 2.5]), Ok([1.0, 1.0, 2.5])));
+        assert!(lengths("1x1").is_err() && lengths("1xx1").is_err());
     }
 
     #[test]
     fn colors_need_no_sign() {
         let orange = Color::hex(0xff8000);
         assert_eq!((color("#ff8000"), color("FF8000")), (Ok(orange), Ok(orange)));
-        assert!(color("orange").is_err() && color("#ff80").is_err());
+        assert_eq!((color("Orange"), color("f80")), (Ok(Color::hex(0xffa500)), Ok(Color::hex(0xff8800))));
+        assert!(color("ornage").unwrap_err().contains("did you mean orange?") && color("#ff80").is_err());
     }
 }

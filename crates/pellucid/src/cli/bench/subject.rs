@@ -12,7 +12,7 @@ use super::timing::Timing;
 use crate::cli::failure::Failure;
 use crate::cli::flags::{SceneFlags, Staged};
 use crate::cli::input::{Input, RawFlags};
-use crate::cli::render::affordable;
+use crate::cli::render::{affordable, drawable};
 use crate::cli::report::Report;
 
 /// A scene, loaded once.
@@ -49,18 +49,21 @@ impl Subject {
         let base = input.open(raw)?;
         let scene = flags.apply(&base.scene)?;
         affordable(&scene.image, 1)?;
+        let idle = plan.engine.check()?;
+        drawable(&scene, &base)?;
         check(&scene)?;
         let loading = Instant::now();
         let (volumes, warnings) = load(&scene, &base.folder)?;
         let load_seconds = loading.elapsed().as_secs_f64();
         let choosing = Instant::now();
-        let Staged { scene, mut stage, choices } = flags.stage(&base, scene, &volumes)?;
+        let Staged { scene, mut stage, choices, warnings: of_settings } = flags.stage(&base, scene, &volumes)?;
         let chosen = choosing.elapsed();
         let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-        warnings.extend_from_slice(flags.warnings());
+        warnings.extend(idle);
+        warnings.extend(of_settings);
         report.opening(&volumes, &choices, &warnings);
         let drawing = Instant::now();
-        let mut meter = Meter::new(plan)?;
+        let mut meter = Meter::new(Plan { engine: plan.engine.suited_to(&scene.technique), ..plan })?;
         let mut frame = Frame::default();
         meter.frame(&mut stage, &mut frame, |_| Ok(()))?;
         let first_ms = (chosen + drawing.elapsed()).as_secs_f64() * 1e3;

@@ -23,7 +23,7 @@ pub struct ClippingFlags {
     #[arg(long, value_name = "K")]
     component: Option<usize>,
     /// Distance between samples per axis in world units [default: the file's]
-    #[arg(long, value_name = "SX,SY,SZ", value_parser = values::numbers::<3>, allow_hyphen_values = true)]
+    #[arg(long, value_name = "SXxSYxSZ", value_parser = values::lengths, allow_hyphen_values = true)]
     spacing: Option<[f64; 3]>,
 }
 

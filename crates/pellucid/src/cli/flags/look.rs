@@ -2,12 +2,17 @@
 
 use std::path::Path;
 
-use pellucid::optics::{Light, LightKind, Lighting, Material, TransferFunction, VolumeProperty};
-use pellucid::scene::{Look, Scene};
+use pellucid::optics::{
+    GradientWeight, Light, LightKind, Lighting, Material, Preset, Scale, TransferFunction, VolumeProperty,
+};
+use pellucid::scene::{Choice, Look, Scene, StageVolume};
 
 use super::first_volume;
 use crate::cli::failure::Failure;
 use crate::cli::values;
+
+/// A preset over a window, which is there as long as the window is not known.
+const RELATIVE: &str = "density";
 
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Look")]
@@ -35,10 +40,10 @@ pub struct LookFlags {
     /// else the mean voxel spacing]
     #[arg(long, value_name = "LENGTH", value_parser = values::number, allow_hyphen_values = true)]
     unit_distance: Option<f64>,
-    /// A transfer function in full: .toml or .json as in a scene, or .vp.json as 3D Slicer saves
-    /// volume properties
+    /// A transfer function in full: .toml or .json as in a scene or as 'pellucid presets NAME' prints
+    /// it, or .vp.json as 3D Slicer saves volume properties
     #[arg(long, value_name = "FILE", value_parser = look_file,
-        conflicts_with_all = ["preset", "window", "colormap", "opacity"])]
+        conflicts_with_all = ["preset", "colormap", "opacity"])]
     transfer_function: Option<LookFile>,
     /// Whether surfaces are lit [default: the preset decides]
     #[arg(long, value_name = "on|off", value_parser = values::switch)]
@@ -65,9 +70,13 @@ pub struct LookFlags {
 /// What a transfer function file holds.
 #[derive(Clone, Debug)]
 struct LookFile {
+    /// Over data values, or over parts of a window.
     transfer_function: TransferFunction,
+    /// A preset, where the file holds one whose values are parts of a window.
+    relative: Option<Preset>,
     /// Material and shading, where the format has them.
     surface: Option<(Material, bool)>,
+    gradient_weight: Option<GradientWeight>,
     warnings: Vec<String>,
 }
 
@@ -94,9 +103,19 @@ impl LookFlags {
         self.apply_names(scene)?;
         if let Some(file) = &self.transfer_function {
             let entry = first_volume(scene, "--transfer-function")?;
-            entry.transfer_function = Some(file.transfer_function.clone());
             if let Some((material, shading)) = file.surface {
                 (entry.material, entry.shading) = (Some(material), Some(shading));
+            }
+            match &file.relative {
+                None => {
+                    entry.transfer_function = Some(file.transfer_function.clone());
+                    entry.gradient_weight = file.gradient_weight.or(entry.gradient_weight);
+                }
+                // Any look over a window, until the window is known: `spread` puts the file's in its place.
+                Some(_) => {
+                    (entry.preset, entry.colormap, entry.opacity) = (Some(RELATIVE.to_owned()), None, None);
+                    entry.transfer_function = None;
+                }
             }
         }
         if self.unit_distance.is_some() {
@@ -107,6 +126,28 @@ impl LookFlags {
         }
         self.apply_lights(scene);
         Ok(())
+    }
+
+    /// Spreads the relative look of a file over the window of the volume, chosen or given. Whether there is one.
+    pub fn spread(&self, scene: &mut Scene, volume: &StageVolume, choices: &[Choice]) -> Result<bool, Failure> {
+        let Some(preset) = self.transfer_function.as_ref().and_then(|file| file.relative.as_ref()) else {
+            return Ok(false);
+        };
+        let entry = first_volume(scene, "--transfer-function")?;
+        let chosen = choices.iter().find(|choice| self.settles_with(choice));
+        let ends = chosen.and_then(|choice| Some([choice.value.get(0)?.as_f64()?, choice.value.get(1)?.as_f64()?]));
+        let window = entry.window.or(ends).ok_or_else(|| Failure::work("no window was chosen"))?;
+        let spacing = volume.volume.grid().mean_spacing();
+        entry.transfer_function = Some(preset.transfer_function(window).map_err(Failure::input)?);
+        entry.gradient_weight = preset.gradient_weight(window, spacing).map_err(Failure::input)?;
+        // It has been used up.
+        (entry.preset, entry.window) = (None, None);
+        Ok(true)
+    }
+
+    /// Whether a choice decides something that [`LookFlags::spread`] writes into the scene.
+    pub fn settles_with(&self, choice: &Choice) -> bool {
+        choice.setting == "window" && self.transfer_function.as_ref().is_some_and(|file| file.relative.is_some())
     }
 
     /// A name on the command line wins over whatever else the scene says of the transfer function.
@@ -129,7 +170,11 @@ impl LookFlags {
         if self.window.is_some() {
             let entry = first_volume(scene, "--window")?;
             entry.window = self.window;
-            if entry.transfer_function.is_some() {
+            let file = self.transfer_function.as_ref();
+            if file.is_some_and(|file| file.relative.is_none()) {
+                return Err(Failure::input("--window has no effect on a --transfer-function over data values"));
+            }
+            if entry.transfer_function.is_some() && file.is_none() {
                 return Err(Failure::input("--window has no effect on the scene's transfer_function")
                     .hint("add --preset or --colormap and --opacity to replace it"));
             }
@@ -187,14 +232,42 @@ fn light(text: &str) -> Result<LightFlag, String> {
 
 fn look_file(path: &str) -> Result<LookFile, String> {
     let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
-    let own = |transfer_function| LookFile { transfer_function, surface: None, warnings: Vec::new() };
     if path.to_lowercase().ends_with(".vp.json") {
         return slicer_file(&text);
     }
     match Path::new(path).extension().and_then(|extension| extension.to_str()) {
-        Some("toml") => toml::from_str(&text).map(own).map_err(|error| error.to_string()),
-        Some("json") => serde_json::from_str(&text).map(own).map_err(|error| error.to_string()),
+        Some("toml") => look(|| toml::from_str(&text), || toml::from_str(&text)),
+        Some("json") => look(|| serde_json::from_str(&text), || serde_json::from_str(&text)),
         _ => Err("the name must end in .toml, .json or .vp.json".into()),
+    }
+}
+
+/// A transfer function, or a preset, which has a transfer function among other things.
+fn look<E: ToString>(
+    plain: impl Fn() -> Result<TransferFunction, E>,
+    preset: impl Fn() -> Result<Preset, E>,
+) -> Result<LookFile, String> {
+    let file = |transfer_function| LookFile {
+        transfer_function,
+        relative: None,
+        surface: None,
+        gradient_weight: None,
+        warnings: Vec::new(),
+    };
+    let error = match plain() {
+        Ok(transfer_function) => return Ok(file(transfer_function)),
+        Err(error) => error.to_string(),
+    };
+    // The keys of presets are not those of transfer functions, which says what the file was meant to be.
+    match preset() {
+        Ok(preset) => Ok(LookFile {
+            surface: Some((preset.material, preset.shading)),
+            gradient_weight: preset.gradient_weight,
+            relative: (preset.scale == Scale::Relative).then(|| preset.clone()),
+            ..file(preset.transfer_function)
+        }),
+        Err(of_preset) if error.contains("`scale`") || error.contains("`name`") => Err(of_preset.to_string()),
+        Err(_) => Err(error),
     }
 }
 
@@ -209,5 +282,6 @@ fn slicer_file(text: &str) -> Result<LookFile, String> {
         warnings.push("the gradient opacity of the volume property is ignored".into());
     }
     let surface = Some((first.material, first.shading));
-    Ok(LookFile { transfer_function: first.transfer_function, surface, warnings })
+    let transfer_function = first.transfer_function;
+    Ok(LookFile { transfer_function, relative: None, surface, gradient_weight: None, warnings })
 }

@@ -2,6 +2,7 @@
 
 mod camera;
 mod clipping;
+mod given;
 mod look;
 mod picture;
 pub mod quality;
@@ -10,16 +11,19 @@ pub mod technique;
 use std::sync::Arc;
 
 use pellucid::field::Volume;
-use pellucid::load_optics;
 use pellucid::scene::{Camera, Choice, Scene, Stage, VolumeEntry};
+use pellucid::{load_optics, without_effect};
 
 use super::failure::Failure;
 use super::input::Base;
 use super::set::Setting;
+use given::Given;
 
 /// Every flag that changes the scene. What is not given leaves the scene as it is.
 #[derive(clap::Args, Debug)]
 pub struct SceneFlags {
+    #[command(flatten)]
+    given: Given,
     #[command(flatten)]
     picture: picture::PictureFlags,
     #[command(flatten)]
@@ -49,6 +53,8 @@ pub struct Staged {
     pub scene: Scene,
     pub stage: Stage,
     pub choices: Vec<Choice>,
+    /// What was lost in reading files that flags name, and settings that have no effect.
+    pub warnings: Vec<String>,
 }
 
 impl SceneFlags {
@@ -57,29 +63,32 @@ impl SceneFlags {
         super::set::apply(&self.named(base)?, &self.settings)
     }
 
-    /// What was lost in reading files that flags name.
-    pub fn warnings(&self) -> &[String] {
-        self.look.warnings()
-    }
-
     /// The stage of the scene that [`SceneFlags::apply`] made of `base`, once what flags leave to the
     /// loaded volumes is filled in, and its optics are read.
     pub fn stage(&self, base: &Base, mut scene: Scene, volumes: &[Arc<Volume>]) -> Result<Staged, Failure> {
         load_optics(&mut scene, &base.folder)?;
-        let (stage, choices) = scene.resolve(volumes)?;
-        let Some(mut scene) = self.settle(&base.scene, &stage)? else { return Ok(Staged { scene, stage, choices }) };
-        load_optics(&mut scene, &base.folder)?;
-        let (stage, choices) = scene.resolve(volumes)?;
-        Ok(Staged { scene, stage, choices })
+        let (mut stage, mut choices) = scene.resolve(volumes)?;
+        if let Some(settled) = self.settle(&base.scene, &stage, &choices)? {
+            scene = settled;
+            load_optics(&mut scene, &base.folder)?;
+            let first = choices;
+            (stage, choices) = scene.resolve(volumes)?;
+            // What was chosen to settle with stays chosen.
+            choices.extend(first.into_iter().filter(|choice| self.look.settles_with(choice)));
+        }
+        let idle = without_effect(&scene, &stage, &self.given.settings());
+        let idle = idle.iter().map(|idle| self.given.in_words(idle));
+        let warnings = self.look.warnings().iter().cloned().chain(idle).collect();
+        Ok(Staged { scene, stage, choices, warnings })
     }
 
     /// Fills in what depends on the volumes and on what was chosen for them: a slice position in
-    /// percent, and the rest of a material of which flags give some numbers. `None` if there is no
-    /// such flag.
-    fn settle(&self, base: &Scene, stage: &Stage) -> Result<Option<Scene>, Failure> {
+    /// percent, the rest of a material of which flags give some numbers, and a look over the window
+    /// that was chosen. `None` if there is no such flag.
+    fn settle(&self, base: &Scene, stage: &Stage, choices: &[Choice]) -> Result<Option<Scene>, Failure> {
         let mut scene = self.named(base)?;
         let Some(volume) = stage.volumes.first() else { return Ok(None) };
-        let placed = self.technique.place(&mut scene, volume);
+        let placed = self.technique.place(&mut scene, volume) | self.look.spread(&mut scene, volume, choices)?;
         let changed = self.look.change_material(&mut scene, volume.material);
         if placed || changed { super::set::apply(&scene, &self.settings).map(Some) } else { Ok(None) }
     }

@@ -12,7 +12,7 @@ pub struct PictureFlags {
     /// Pixels per row and rows, 1 to 32768 each [default: 1024x1024]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<[u32; 2]>,
-    /// What lies behind the volume: one colour (#rrggbb, rrggbb, black, white), 'transparent', the
+    /// What lies behind the volume: one colour (a name of CSS, #rrggbb or rrggbb), 'transparent', the
     /// 'environment' of the path tracer, or the colours of the top and the bottom row [default: black]
     #[arg(long, value_name = "COLOR|transparent|environment|TOP,BOTTOM", value_parser = background)]
     background: Option<Background>,

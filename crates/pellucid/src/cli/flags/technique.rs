@@ -17,6 +17,12 @@ const MODES: [(&str, Mode); 6] = [
     ("x-ray", Mode::XRay),
 ];
 
+/// What is drawn by flags of its own.
+const NOT_MODES: [(&str, &str); 2] = [
+    ("isosurface", "--iso VALUE draws the surface of a data value"),
+    ("slice", "--slice axial, coronal, sagittal or a normal draws a plane"),
+];
+
 /// What draws, by name.
 pub const TECHNIQUES: [(&str, Kind); 7] = [
     ("ray-cast", Kind::Rays),
@@ -67,7 +73,7 @@ pub struct TechniqueFlags {
     #[arg(long, value_name = "TECHNIQUE", value_parser = values::word(&TECHNIQUES))]
     technique: Option<Kind>,
     /// What becomes of the samples along a ray [default: composite]
-    #[arg(long, value_name = "MODE", value_parser = values::word(&MODES), conflicts_with_all = ["iso", "slice"])]
+    #[arg(long, value_name = "MODE", value_parser = values::word_or(&MODES, &NOT_MODES), conflicts_with_all = ["iso", "slice"])]
     mode: Option<Mode>,
     /// Draw the surface of a data value, in the transfer function's colour unless one is given,
     /// with an opacity of 0 to 1. Repeatable

@@ -1,0 +1,312 @@
+//! Which settings of a scene its picture depends on: one table of what each of them needs.
+
+use std::fmt;
+
+use pellucid_optics::SurfaceShare;
+use pellucid_scene::{
+    BlendOrder, BlurJitter, Classification, HalfAngle, Isosurface, Mode, Orbit, PathTrace, Projection, RayCast, Scene,
+    Slice, SliceGeometry, Slicing, Source, Stage, StageVolume, Technique, View, VolumeEntry,
+};
+use serde_json::Value;
+
+/// A setting that the picture does not depend on as the rest of the scene stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WithoutEffect {
+    /// Its place in the document.
+    pub setting: String,
+    /// What it would need.
+    pub reason: &'static str,
+}
+
+impl fmt::Display for WithoutEffect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} has no effect: {}", self.setting, self.reason)
+    }
+}
+
+/// The settings of a scene that say something other than their defaults to no effect on the picture, of which
+/// `stage` is the resolved form; and those of `also`, places in the document, which somebody has set to whatever value.
+pub fn without_effect(scene: &Scene, stage: &Stage, also: &[&str]) -> Vec<WithoutEffect> {
+    let (Ok(document), Ok(defaults)) = (serde_json::to_value(scene), serde_json::to_value(defaults_of(scene))) else {
+        return Vec::new();
+    };
+    let said = |setting: &str| {
+        let pointer = format!("/{}", setting.replace(['.', '['], "/").replace(']', ""));
+        let at = |document: &Value| document.pointer(&pointer).cloned().unwrap_or_default();
+        let parts =
+            |place: &&str| place.strip_prefix(setting).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        at(&document) != at(&defaults) || also.iter().any(|place| parts(&place))
+    };
+    let mut found = Vec::new();
+    for (number, (entry, volume)) in scene.volumes.iter().zip(&stage.volumes).enumerate() {
+        let drawn = Drawn { scene, stage, entry, volume };
+        for (pattern, needs) in NEEDS {
+            let of_volume = pattern.starts_with("volumes[]");
+            let setting = pattern.replace("[]", &format!("[{number}]")).replace('*', stage.technique.name());
+            if (of_volume || number == 0)
+                && let Some(need) = needs.iter().find(|need| !(need.is_met)(&drawn))
+                && said(&setting)
+            {
+                found.push(WithoutEffect { setting, reason: need.otherwise });
+            }
+        }
+    }
+    found
+}
+
+/// A scene of the same kind, everything in it left to its default.
+fn defaults_of(scene: &Scene) -> Scene {
+    let mode = match scene.technique.mode() {
+        Mode::Slice(_) => Mode::Slice(Slice::default()),
+        Mode::Isosurface(surfaces) => Mode::Isosurface(surfaces.clone()),
+        mode => mode.clone(),
+    };
+    let mut plain = Scene {
+        volumes: scene.volumes.iter().map(|_| VolumeEntry::new(Source::memory())).collect(),
+        technique: match &scene.technique {
+            Technique::RayCast(_) => Technique::RayCast(RayCast { mode }),
+            Technique::Slicing(slicing) => {
+                Technique::Slicing(Slicing { mode, geometry: slicing.geometry, ..Slicing::default() })
+            }
+            Technique::HalfAngle(_) => Technique::HalfAngle(HalfAngle::default()),
+            Technique::PathTrace(_) => Technique::PathTrace(PathTrace::default()),
+        },
+        ..Scene::default()
+    };
+    plain.camera.view = View::Orbit(Orbit::default());
+    plain
+}
+
+/// What a need looks at.
+struct Drawn<'a> {
+    scene: &'a Scene,
+    stage: &'a Stage,
+    entry: &'a VolumeEntry,
+    volume: &'a StageVolume,
+}
+
+/// Something that must hold for a setting to have an effect, and what is said where it does not.
+struct Need {
+    is_met: fn(&Drawn) -> bool,
+    otherwise: &'static str,
+}
+
+/// Settings and their needs; the first that is not met is told. Settings of speed alone are not here: the picture never
+/// depends on them.
+const NEEDS: &[(&str, &[Need])] = &[
+    ("camera.view.orbit.zoom", &[FRAMED]),
+    ("camera.view.orbit.distance", &[FROM_A_POINT]),
+    ("volumes[].window", &[CLASSIFIED, SPREAD]),
+    ("volumes[].preset", &[NO_TRANSFER_FUNCTION_OR_SURFACE]),
+    ("volumes[].colormap", &[NO_TRANSFER_FUNCTION, CLASSIFIED, COLORED]),
+    ("volumes[].opacity", &[NO_TRANSFER_FUNCTION, OPACITY_IS_USED]),
+    ("volumes[].transfer_function", &[CLASSIFIED]),
+    ("volumes[].unit_distance", &[MEDIUM]),
+    ("volumes[].shading", &[MADE_OF_SURFACES]),
+    ("volumes[].material", &[MADE_OF_SURFACES, SHADED]),
+    ("volumes[].gradient_weight", &[MADE_OF_SURFACES, SHADED]),
+    ("volumes[].scattering.phase", &[LIT_BY_SCATTERING]),
+    ("volumes[].scattering.albedo", &[LIT_BY_SCATTERING]),
+    ("volumes[].scattering.anisotropy", &[LIT_BY_SCATTERING]),
+    ("volumes[].scattering.surface", &[LIT_BY_SCATTERING]),
+    ("volumes[].scattering.transport", &[BY_HALF_ANGLES]),
+    ("volumes[].perturbation.optics", &[COMPOSITED]),
+    ("lighting.lights", &[LIT]),
+    ("lighting.ambient", &[LIT_FROM_EVERYWHERE]),
+    ("lighting.shadows", &[BY_RAYS, LIT]),
+    ("lighting.model", &[SAMPLES_OF_RAYS_OR_SLICES, COMPOSITED]),
+    ("technique.*.mode.slice.combine", &[THICK]),
+    ("technique.path_trace.focus", &[APERTURE]),
+    ("technique.path_trace.surface_depth", &[MADE_OF_SURFACES]),
+    ("technique.half_angle.initial_indirect", &[INDIRECT]),
+    ("technique.half_angle.in_scatter", &[INDIRECT]),
+    ("technique.half_angle.blur_angle", &[INDIRECT, SEVERAL_TAPS]),
+    ("technique.half_angle.taps", &[INDIRECT]),
+    ("technique.half_angle.blur_scaling", &[INDIRECT, SEVERAL_TAPS]),
+    ("technique.half_angle.jitter", &[INDIRECT, SEVERAL_TAPS]),
+    ("technique.half_angle.seed", &[INDIRECT, SEVERAL_TAPS, JITTERED_TAPS]),
+    ("technique.half_angle.ambient", &[MADE_OF_SURFACES, SHADED]),
+    ("quality.step", &[NOT_BY_PATHS, NOT_A_PLANE, NOT_THE_VOLUMES_PLANES]),
+    ("quality.gradient", &[MADE_OF_SURFACES, SHADED]),
+    ("quality.classification", &[SAMPLES_OF_RAYS_OR_SLICES, COMPOSITED]),
+    ("quality.jitter", &[NOT_A_PLANE, NOT_THE_VOLUMES_PLANES]),
+    ("quality.early_termination", &[NOT_BY_PATHS, BECOMES_OPAQUE, NEAREST_FIRST]),
+    ("quality.adaptive_tolerance", &[BY_RAYS, COMPOSITED, POST_CLASSIFIED]),
+    ("quality.supersampling", &[NOT_BY_PATHS]),
+];
+
+const FRAMED: Need = Need {
+    is_met: |drawn| match (drawn.scene.camera.projection, drawn.scene.camera.view) {
+        (Projection::Perspective { .. }, View::Orbit(orbit)) => orbit.distance.is_none(),
+        (Projection::Orthographic { height }, View::Orbit(_)) => height.is_none(),
+        (_, View::LookAt(_)) => true,
+    },
+    otherwise: "it is a magnification on top of framing, and the distance of the eye or the height of the picture is set",
+};
+
+const FROM_A_POINT: Need = Need {
+    // Rays that begin within the volume miss what lies behind the eye.
+    is_met: |drawn| {
+        let view = &drawn.stage.viewpoint;
+        let behind = |v: &StageVolume| {
+            v.volume.grid().world_corners().into_iter().any(|corner| (corner - view.eye).dot(view.forward) < 0.0)
+        };
+        view.perspective || drawn.stage.volumes.iter().any(behind)
+    },
+    otherwise: "parallel rays show the same from any distance in front of the volume; only depths count from the eye",
+};
+
+const CLASSIFIED: Need = Need {
+    is_met: |drawn| match drawn.stage.mode() {
+        Mode::Isosurface(Isosurface { isovalues }) => isovalues.iter().any(|iso| iso.color.is_none()),
+        _ => true,
+    },
+    otherwise: "every isosurface has a colour of its own",
+};
+
+const SPREAD: Need = Need {
+    is_met: |drawn| drawn.scene.heeds_window(drawn.entry, &drawn.volume.volume),
+    otherwise: "the look has data values of its own and is not spread over a window; a colour map or an opacity shape is",
+};
+
+const NO_TRANSFER_FUNCTION: Need = Need {
+    is_met: |drawn| drawn.entry.transfer_function.is_none(),
+    otherwise: "the transfer function is given in full",
+};
+
+const NO_TRANSFER_FUNCTION_OR_SURFACE: Need = Need {
+    is_met: |drawn| drawn.entry.transfer_function.is_none() || (SHADED.is_met)(drawn),
+    otherwise: "the transfer function is given in full, and no surface is lit by the preset's material",
+};
+
+const COLORED: Need = Need {
+    is_met: |drawn| *drawn.stage.mode() != Mode::XRay,
+    otherwise: "a radiograph shows the share of light that is held back, which has no colour",
+};
+
+const OPACITY_IS_USED: Need = Need {
+    is_met: |drawn| !matches!(drawn.stage.mode(), Mode::Isosurface(_) | Mode::Slice(_)),
+    otherwise: "isosurfaces have opacities of their own, and slices are opaque",
+};
+
+const MEDIUM: Need = Need {
+    is_met: |drawn| matches!(drawn.stage.mode(), Mode::Composite | Mode::Additive | Mode::XRay),
+    otherwise: "opacities hold for a length only where light passes through; projections, slices and isosurfaces show values",
+};
+
+const MADE_OF_SURFACES: Need = Need {
+    is_met: |drawn| {
+        let lit = matches!(drawn.stage.mode(), Mode::Composite | Mode::Isosurface(_));
+        lit && (!drawn.stage.scatters() || drawn.volume.scattering.surface != SurfaceShare::None)
+    },
+    otherwise: "nothing is drawn as a surface: composited volumes and isosurfaces are, and with light that scatters what \
+                scattering.surface says",
+};
+
+const SHADED: Need = Need { is_met: |drawn| drawn.volume.material.is_some(), otherwise: "shading is off" };
+
+const LIT: Need = Need {
+    is_met: |drawn| {
+        drawn.stage.scatters() || ((MADE_OF_SURFACES.is_met)(drawn) && drawn.stage.volumes.iter().any(is_shaded))
+    },
+    otherwise: "nothing is lit: composited volumes and isosurfaces are, with shading, or a volume with light that scatters",
+};
+
+fn is_shaded(volume: &StageVolume) -> bool {
+    volume.material.is_some()
+}
+
+const LIT_FROM_EVERYWHERE: Need = Need {
+    is_met: |drawn| {
+        let heeded = match &drawn.stage.technique {
+            Technique::PathTrace(_) => false,
+            Technique::HalfAngle(settings) => settings.ambient,
+            Technique::RayCast(_) | Technique::Slicing(_) => true,
+        };
+        heeded && (MADE_OF_SURFACES.is_met)(drawn) && drawn.stage.volumes.iter().any(is_shaded)
+    },
+    otherwise: "only shaded surfaces reflect ambient light; half-angle slicing if its own 'ambient' is on, and paths find \
+                their environment instead",
+};
+
+const LIT_BY_SCATTERING: Need = Need {
+    is_met: |drawn| drawn.stage.scatters(),
+    otherwise: "light is not scattered: it is by path_trace and half_angle, and with lighting.model = \"scattering\"",
+};
+
+const BY_HALF_ANGLES: Need = Need {
+    is_met: |drawn| drawn.stage.half_angle().is_some(),
+    otherwise: "indirect light travels through slices of half_angle only",
+};
+
+const BY_RAYS: Need = Need {
+    is_met: |drawn| matches!(drawn.stage.technique, Technique::RayCast(_)),
+    otherwise: "it is about the ray caster",
+};
+
+const NOT_BY_PATHS: Need = Need {
+    is_met: |drawn| drawn.stage.path_trace().is_none(),
+    otherwise: "paths meet matter at random: their number, technique.path_trace.samples, is their quality",
+};
+
+const SAMPLES_OF_RAYS_OR_SLICES: Need = Need {
+    is_met: |drawn| matches!(drawn.stage.technique, Technique::RayCast(_) | Technique::Slicing(_)),
+    otherwise: "the technique classifies every sample by itself and scatters light at it",
+};
+
+const COMPOSITED: Need = Need {
+    is_met: |drawn| *drawn.stage.mode() == Mode::Composite,
+    otherwise: "it is about composited volumes, and the mode is another",
+};
+
+const POST_CLASSIFIED: Need = Need {
+    is_met: |drawn| drawn.stage.quality.classification == Classification::Post,
+    otherwise: "only samples that are classified by themselves are left out",
+};
+
+const THICK: Need = Need {
+    is_met: |drawn| !matches!(drawn.stage.mode(), Mode::Slice(Slice { thickness, .. }) if *thickness == 0.0),
+    otherwise: "a slice without thickness has one value for a pixel",
+};
+
+const NOT_A_PLANE: Need =
+    Need { is_met: THICK.is_met, otherwise: "a slice without thickness has one sample for a ray" };
+
+const NOT_THE_VOLUMES_PLANES: Need = Need {
+    is_met: |drawn| drawn.stage.slicing().is_none_or(|slicing| slicing.geometry != SliceGeometry::ObjectAligned),
+    otherwise: "object-aligned slices lie on the planes of the voxels",
+};
+
+const BECOMES_OPAQUE: Need = Need {
+    is_met: |drawn| match drawn.stage.mode() {
+        Mode::Composite => true,
+        Mode::Isosurface(Isosurface { isovalues }) => isovalues.iter().any(|iso| iso.opacity < 1.0),
+        _ => false,
+    },
+    otherwise: "no ray becomes opaque little by little",
+};
+
+const NEAREST_FIRST: Need = Need {
+    is_met: |drawn| drawn.stage.slicing().is_none_or(|slicing| slicing.order == BlendOrder::FrontToBack),
+    otherwise: "what is farthest is blended first",
+};
+
+const APERTURE: Need = Need {
+    is_met: |drawn| drawn.stage.path_trace().is_none_or(|settings| settings.aperture > 0.0),
+    otherwise: "everything is in focus without an aperture",
+};
+
+const INDIRECT: Need = Need {
+    is_met: |drawn| drawn.stage.half_angle().is_none_or(|settings| settings.indirect > 0.0),
+    otherwise: "there is no indirect light",
+};
+
+const SEVERAL_TAPS: Need = Need {
+    is_met: |drawn| drawn.stage.half_angle().is_none_or(|settings| settings.taps > 1),
+    otherwise: "a single tap does not blur",
+};
+
+const JITTERED_TAPS: Need = Need {
+    is_met: |drawn| drawn.stage.half_angle().is_none_or(|settings| settings.jitter != BlurJitter::Fixed),
+    otherwise: "the taps are at the same places in every slice",
+};
