@@ -52,7 +52,7 @@ impl<'a> Lookup<'a> {
             ],
             _ => [f32::INFINITY, f32::NEG_INFINITY],
         };
-        Self { entries, nodes: *nodes, count, hull }
+        Self { entries, nodes: nodes.clone(), count, hull }
     }
 
     /// The position of values among the nodes.
@@ -99,7 +99,33 @@ impl<'a> Lookup<'a> {
 /// The position of values among nodes: the vectors' form of [`Nodes::position`].
 #[inline(always)]
 fn position<S: Lanes>(s: S, nodes: &Nodes, values: F32<S>) -> F32<S> {
-    (values - splat(s, nodes.origin())) * nodes.scale()
+    match nodes.knots() {
+        [] => (values - splat(s, nodes.origin())) * nodes.scale(),
+        knots => between_knots(s, knots, values),
+    }
+}
+
+/// The position of values among nodes that are not even. A function of its own, so that even ones find the registers
+/// that they had without it.
+#[inline(never)]
+fn between_knots<S: Lanes>(s: S, knots: &[[f32; 4]], values: F32<S>) -> F32<S> {
+    s.vectorize(
+        #[inline(always)]
+        || {
+            let base = knots.as_ptr().cast::<f32>();
+            let (mut at, mut step) = (whole(s, 0), knots.len() / 2);
+            while step > 0 {
+                let next = at + step as i32;
+                // SAFETY: the steps halve from half of their number, a power of two: all their sums are below it.
+                let limit: F32<S> = unsafe { s.gather::<4>(base.cast(), next << 2) }.bitcast();
+                at = values.simd_ge(limit).select(next, at);
+                step /= 2;
+            }
+            // SAFETY: as above.
+            let [value, node, slope, _] = unsafe { s.gather_rows::<2>(base, at) };
+            (values - value).mul_add(slope, node)
+        },
+    )
 }
 
 /// Positions limited to 0 to `last`; 0 where there is no number.
@@ -216,16 +242,45 @@ impl Pre<'_> {
 pub struct Segments<'a>(pub &'a PreIntegration);
 
 impl Segments<'_> {
-    /// Associated linear RGB and opacity of full steps from `front` to `back`, both present.
+    /// Associated linear RGB and opacity of segments from `front` to `back`, both present, that are `length` steps
+    /// long: the vectors' form of [`PreIntegration::over_length`].
     #[inline(always)]
-    pub fn lookup<S: Lanes>(&self, s: S, front: F32<S>, back: F32<S>, lanes: Mask<S>) -> [F32<S>; 4] {
+    pub fn lookup<S: Lanes>(
+        &self,
+        s: S,
+        [front, back]: [F32<S>; 2],
+        length: F32<S>,
+        lanes: Mask<S>,
+    ) -> [F32<S>; 4] {
         let nodes = self.0.nodes();
         let last = nodes.count() - 1;
-        let x = position(s, nodes, front);
-        let y = position(s, nodes, back);
-        let (limited_x, limited_y) = (limited(s, x, last), limited(s, y, last));
-        let ((near, u), (far, v)) = (cell(s, limited_x, last), cell(s, limited_y, last));
-        let row = nodes.count();
+        let x = limited(s, position(s, nodes, front), last);
+        let y = limited(s, position(s, nodes, back), last);
+        let mut rgba = self.bilinear(s, x, y);
+        if (lanes & length.simd_ne(splat(s, 1.0))).any_true() {
+            rgba = segment_over(s, rgba, self.bilinear(s, y, x), length);
+        }
+        // Segments that leave the domain are composed of parts, which is rare.
+        let [low, high] = nodes.ends();
+        let beyond = front.simd_lt(splat(s, low))
+            | front.simd_gt(splat(s, high))
+            | back.simd_lt(splat(s, low))
+            | back.simd_gt(splat(s, high));
+        let bits = (lanes & beyond & x.simd_ne(y)).to_bitmask();
+        for lane in (0..width::<S>()).filter(|lane| bits >> lane & 1 == 1) {
+            let found = self.0.over_length(front[lane], back[lane], length[lane]);
+            for (channel, value) in rgba.iter_mut().zip(found) {
+                channel[lane] = value;
+            }
+        }
+        rgba
+    }
+
+    /// The entries of full steps between limited positions.
+    #[inline(always)]
+    fn bilinear<S: Lanes>(&self, s: S, x: F32<S>, y: F32<S>) -> [F32<S>; 4] {
+        let row = self.0.nodes().count();
+        let ((near, u), (far, v)) = (cell(s, x, row - 1), cell(s, y, row - 1));
         let corner = near + far * row as i32;
         let base = self.0.entries().as_ptr().cast::<f32>();
         // SAFETY: `cell` gives nodes from 0 to the last but one.
@@ -237,18 +292,34 @@ impl Segments<'_> {
                 s.gather_rows::<2>(base.add(4 * row + 4), corner),
             ]
         };
-        let mut rgba = rgba!(C => lerp::<S>(v, lerp::<S>(u, c00[C], c10[C]), lerp::<S>(u, c01[C], c11[C])));
-        // Segments that leave the domain are composed of parts, which is rare.
-        let beyond = limited_x.simd_ne(x) | limited_y.simd_ne(y);
-        let beyond = lanes & beyond & limited_x.simd_ne(limited_y);
-        let bits = beyond.to_bitmask();
-        for lane in (0..width::<S>()).filter(|lane| bits >> lane & 1 == 1) {
-            for (channel, value) in rgba.iter_mut().zip(self.0.lookup(front[lane], back[lane])) {
-                channel[lane] = value;
-            }
-        }
-        rgba
+        rgba!(C => lerp::<S>(v, lerp::<S>(u, c00[C], c10[C]), lerp::<S>(u, c01[C], c11[C])))
     }
+}
+
+/// Associated colours of segments over `ratio` times the length they hold for, by those of the same segments seen from
+/// their other ends: the vectors' form of [`correct_segment`](pellucid_optics::correct_segment).
+#[inline(always)]
+fn segment_over<S: Lanes>(s: S, rgba: [F32<S>; 4], reversed: [F32<S>; 4], ratio: F32<S>) -> [F32<S>; 4] {
+    let (half, one) = (splat(s, 0.5), splat(s, 1.0));
+    let depth = extinction(s, rgba[3]);
+    let thin = depth.simd_lt(splat(s, 1e-3));
+    let whole = advance(s, thin.select(one, depth));
+    let share = thin.select(half * (one - ratio), half * (one - advance(s, depth * ratio) / whole));
+    let [r, g, b] = xyz!(C => share.mul_add(reversed[C] - rgba[C], rgba[C]));
+    over_length(s, [r, g, b, rgba[3]], ratio)
+}
+
+/// How far in front of the middle the light of an optical depth comes from: the vectors' form of
+/// [`advance`](pellucid_optics::advance).
+#[inline(always)]
+fn advance<S: Lanes>(s: S, depth: F32<S>) -> F32<S> {
+    let (one, squared) = (splat(s, 1.0), depth * depth);
+    let thin = depth.simd_lt(one);
+    let series = squared.mul_add(splat(s, -1.0 / 1_209_600.0), splat(s, 1.0 / 30_240.0));
+    let series = squared.mul_add(series, splat(s, -1.0 / 720.0));
+    let series = depth * squared.mul_add(series, splat(s, 1.0 / 12.0));
+    let safe = thin.select(one, depth);
+    thin.select(series, one / opacity_of(s, safe) - one / safe - 0.5)
 }
 
 /// Associated colours over `ratio` times the length they hold for (1.4-14), a few times at most: the vectors'

@@ -3,7 +3,7 @@
 use pellucid_optics::Chroma;
 
 use crate::chroma;
-use crate::classify::{Classified, Classify, Segments, over_length};
+use crate::classify::{Classified, Classify, Segments};
 use crate::field::Field;
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
@@ -260,10 +260,7 @@ impl<S: Lanes, F: Field<S>, V> PreIntegrated<'_, S, F, V> {
         let length = (present[0] & present[1]).select(segment.length, segment.length * 0.5);
         let lanes = segment.lanes & (present[0] | present[1]);
         let [from, to] = [present[0].select(front, back), present[1].select(back, front)];
-        let mut rgba = self.table.lookup(s, from, to, lanes);
-        if (lanes & length.simd_lt(splat(s, 1.0))).any_true() {
-            rgba = over_length(s, rgba, length);
-        }
+        let rgba = self.table.lookup(s, [from, to], length, lanes);
         (rgba, lanes & rgba[3].simd_gt(splat(s, 0.0)))
     }
 }

@@ -11,8 +11,8 @@ use common::random::{Case, case, sparse_case};
 use glam::DVec3;
 use pellucid_cpu::{CpuRenderer, InstructionSet};
 use pellucid_field::{Filter, Gradient, SincWindow};
-use pellucid_optics::{DataRange, PreIntegration};
-use pellucid_scene::{Classification, Combine, Control, Frame, Isosurface, Mode, Slice, Stage};
+use pellucid_optics::PreIntegration;
+use pellucid_scene::{Classification, Combine, Control, Frame, Isosurface, Mode, Slice, Stage, TableCache};
 use proptest::prelude::*;
 use reference::{Reading, Reference, Seen};
 
@@ -95,8 +95,9 @@ fn integrated(_: &Stage) -> Table {
 /// The table of a stage.
 fn tabulated(stage: &Stage) -> Table {
     let staged = &stage.volumes[0];
-    let (tf, data) = (&staged.transfer_function, DataRange::of(&staged.volume));
-    Some(Arc::new(PreIntegration::for_data(tf, &data, stage.step / staged.unit_distance()).unwrap()))
+    let range = TableCache::default().tables(stage, staged).unwrap().range;
+    let ratio = stage.step / staged.unit_distance();
+    Some(Arc::new(PreIntegration::for_data(&staged.transfer_function, &range, ratio).unwrap()))
 }
 
 fn config(cases: u32) -> ProptestConfig {

@@ -39,6 +39,7 @@ pub struct Frame {
     pub plane_normal: Four,
     pub shadows: Four,
     pub chroma: Four,
+    pub table: Four,
     pub size: [u32; 4],
     pub dims: [u32; 4],
     pub blocks: [u32; 4],
@@ -215,6 +216,8 @@ impl Frame {
     pub fn set_nodes(&mut self, nodes: &Nodes) {
         (self.values[2], self.values[3]) = (nodes.origin(), nodes.scale());
         self.dims[3] = nodes.count() as u32;
+        let [low, high] = nodes.ends();
+        self.table = [low, high, nodes.knots().len() as f32, 0.0];
     }
 
     /// How many blocks there are, of how many cells.
@@ -298,7 +301,7 @@ mod tests {
         let resolve = Variant::of(shaders::Pass::Resolve).link(Constants::Uniform).unwrap();
         let frame = fields!(Frame: origin_middle origin_right origin_up direction_middle direction_right direction_up
             world_middle world_right world_up low high gradient_x gradient_y gradient_z world_x world_y world_z
-            picture values material limits plane plane_normal shadows chroma size dims blocks counts noise);
+            picture values material limits plane plane_normal shadows chroma table size dims blocks counts noise);
         assert_eq!(layout(&shaded, "Frame"), frame);
         assert_eq!(layout(&shaded, "Pass"), fields!(Pass: rows texture_low core_low core_high));
         assert_eq!(layout(&shaded, "Light"), fields!(Light: place radiance axis cone));

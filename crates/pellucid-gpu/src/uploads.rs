@@ -17,7 +17,7 @@ pub struct Uploads {
     of: Arc<Tables>,
     pass: Pass,
     bleeds: bool,
-    /// Colours and opacities.
+    /// Colours and opacities, and where they are if their nodes are not even.
     pub entries: Buffer,
     /// What rays ask of blocks.
     pub blocks: TextureView,
@@ -44,7 +44,7 @@ impl Uploads {
             of: tables.clone(),
             pass: optics.pass,
             bleeds: optics.bleeds,
-            entries: storage(device, "table", &optics.entries),
+            entries: storage(device, "table", &[&*optics.entries, optics.nodes.knots()].concat()),
             blocks: block_texture(device, optics.blocks, optics.pass.compares_extremes()),
             perturbation: UploadedNoise::new(device, tables),
             scattering: [

@@ -15,8 +15,10 @@ pub struct Bend {
     nodes: Nodes,
     /// Nodes per bin.
     group: usize,
-    /// `widths[j]` has the largest bend of every bin for widths of `group * 2^j` nodes.
+    /// `widths[j]` has the largest bend of every bin for widths of `group * 2^j` nodes, if those are even.
     widths: Vec<Maxima>,
+    /// Of every number of the entries and of its negative, if nodes are not even.
+    extremes: Vec<[Maxima; 2]>,
 }
 
 impl Bend {
@@ -24,7 +26,12 @@ impl Bend {
 
     /// The bends of a table's associated colours and opacities.
     pub fn of_steps(table: &StepTable) -> Self {
-        let (nodes, entries) = (*table.nodes(), table.entries());
+        let (nodes, entries) = (table.nodes().clone(), table.entries());
+        if !nodes.knots().is_empty() {
+            let of = |c: usize, sign: f32| Maxima::new(entries.iter().map(|entry| sign * entry[c]).collect());
+            let extremes = (0..4).map(|c| [of(c, 1.0), of(c, -1.0)]).collect();
+            return Self { nodes, group: 1, widths: Vec::new(), extremes };
+        }
         let last = entries.len() - 1;
         let group = entries.len().div_ceil(Self::BINS);
         let bend = |node: usize, width: usize| {
@@ -38,7 +45,7 @@ impl Bend {
             Maxima::new(bins.map(largest).collect())
         };
         let widths = (0..=entries.len().div_ceil(group).ilog2()).map(of_width).collect();
-        Self { nodes, group, widths }
+        Self { nodes, group, widths, extremes: Vec::new() }
     }
 
     /// The largest bend over values from `low` to `high` that change by up to `width`, in data
@@ -48,6 +55,12 @@ impl Bend {
         let varies = low < high;
         if !varies {
             return 0.0;
+        }
+        if !self.extremes.is_empty() {
+            // No bend is larger than what the entries differ by over all of these values.
+            let first = self.nodes.clamped_position(low - width).floor() as usize;
+            let last = self.nodes.clamped_position(high + width).ceil() as usize;
+            return self.extremes.iter().map(|e| e[0].over(first, last) + e[1].over(first, last)).fold(0.0, f32::max);
         }
         let bin = |value: f32| self.nodes.clamped_position(value) as usize / self.group;
         let bins = (width * self.nodes.scale() / self.group as f32).max(1.0);

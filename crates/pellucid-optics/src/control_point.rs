@@ -217,12 +217,6 @@ pub(crate) fn locate<P: ControlPoint>(points: &[P], value: f64) -> (&P, &P, f64)
     (from, to, t)
 }
 
-/// Whether the curve jumps anywhere.
-pub(crate) fn jumps<P: ControlPoint>(points: &[P]) -> bool {
-    let mut pairs = points.windows(2);
-    pairs.any(|pair| pair[0].value() == pair[1].value() || pair[0].interpolation() == Interpolation::Step)
-}
-
 fn is_linear(interpolation: &Interpolation) -> bool {
     *interpolation == Interpolation::Linear
 }

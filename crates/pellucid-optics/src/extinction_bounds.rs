@@ -18,7 +18,7 @@ impl ExtinctionBounds {
         let extinctions: Vec<f32> =
             table.entries().iter().map(|entry| path_extinction(entry[3], unit_distance)).collect();
         let negative = extinctions.iter().map(|extinction| -extinction).collect();
-        Self { nodes: *table.nodes(), most: Maxima::new(extinctions), least: Maxima::new(negative) }
+        Self { nodes: table.nodes().clone(), most: Maxima::new(extinctions), least: Maxima::new(negative) }
     }
 
     /// The least and the largest extinction per world unit of values from `low` to `high`, over the nodes on either

@@ -12,10 +12,12 @@ mod color;
 mod color_names;
 mod colormap;
 mod control_point;
+mod curves;
 mod environment;
 mod error;
 mod extent;
 mod extinction_bounds;
+mod knots;
 mod light;
 mod lighting;
 mod material;
@@ -25,6 +27,7 @@ mod opacity;
 mod opacity_shapes;
 mod perturbation;
 mod phase;
+mod placement;
 mod polyline;
 mod preintegration;
 mod presets;
@@ -53,7 +56,10 @@ pub use light::{Falloff, Frame, Incident, Light, LightCone, LightKind, LightShap
 pub use lighting::Lighting;
 pub use material::Material;
 pub use nodes::{DataRange, Nodes};
-pub use opacity::{correct_associated, correct_opacity, extinction, opacity_from_extinction, over, path_extinction};
+pub use opacity::{
+    advance, correct_associated, correct_opacity, correct_segment, extinction, opacity_from_extinction, over,
+    path_extinction,
+};
 pub use opacity_shapes::{opacity_shape, opacity_shape_names};
 pub use perturbation::{Displacement, Octave, Perturbation, PropertyNoise};
 pub use phase::{BackLobe, MOST_ANISOTROPY, Phase, PhaseEntries, PhaseNormalization, PhaseTable, TableAngles, turned};

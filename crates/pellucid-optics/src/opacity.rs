@@ -50,6 +50,37 @@ pub fn correct_associated([r, g, b, alpha]: [f32; 4], ratio: f32) -> [f32; 4] {
     [r * scale, g * scale, b * scale, corrected]
 }
 
+/// How far in front of the middle of a medium the light comes from that it sends to the eye, if all of it shines alike:
+/// a share of its optical depth, 0 for a thin medium and 1/2 for an opaque one. It is the mean of `1/2 - t` over a depth
+/// of t from 0 to 1 under the weights `e^(-depth t)`.
+#[inline]
+pub fn advance(depth: f64) -> f64 {
+    if depth < 0.3 {
+        // 1/alpha and 1/depth would cancel.
+        let squared = depth * depth;
+        return depth * (1.0 / 12.0 - squared * (1.0 / 720.0 - squared * (1.0 / 30_240.0 - squared / 1_209_600.0)));
+    }
+    1.0 / opacity_from_extinction(depth, 1.0) - 0.5 - 1.0 / depth
+}
+
+/// The associated colour of a segment over `ratio` times the length it was computed for (7.3-4), from that and from the
+/// colour of the same segment seen from its other end. In a longer segment more of the light comes from the front; the
+/// two colours are mixed so that it comes from where it does at this length. Exact in opacity, and in colour where the
+/// colour is linear in the optical depth, in particular where the extinction is constant and the colour linear.
+#[inline]
+pub fn correct_segment(segment: [f32; 4], reversed: [f32; 4], ratio: f32) -> [f32; 4] {
+    let depth = extinction(f64::from(segment[3]), 1.0);
+    let part = depth * f64::from(ratio);
+    // Full opacity has an infinite depth, and all of its light comes from its front.
+    let share = match depth {
+        d if d < 1e-3 => 0.5 * (1.0 - f64::from(ratio)),
+        d if d.is_finite() => 0.5 * (1.0 - advance(part) / advance(d)),
+        _ => 0.0,
+    } as f32;
+    let mixed = [0, 1, 2, 3].map(|c| segment[c] + (reversed[c] - segment[c]) * share);
+    correct_associated([mixed[0], mixed[1], mixed[2], segment[3]], ratio)
+}
+
 /// Front-to-back compositing: what is `accumulated` in front, over the next `sample` behind it;
 /// both associated (1.4-8).
 #[inline]
@@ -81,6 +112,48 @@ mod tests {
             let by_extinction = opacity_from_extinction(extinction(alpha as f64, 2.0), 2.0 * ratio as f64);
             assert!((by_extinction - expected as f64).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn light_comes_from_the_front_of_what_is_opaque() {
+        // The mean of t under e^(-depth t), by the midpoint rule.
+        for depth in [1e-3, 0.1, 0.29, 0.31, 1.0, 4.0, 30.0f64] {
+            const PARTS: u32 = 100_000;
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for i in 0..PARTS {
+                let t = (f64::from(i) + 0.5) / f64::from(PARTS);
+                let weight = (-depth * t).exp();
+                (sum, weights) = (sum + weight * t, weights + weight);
+            }
+            let exact = 0.5 - sum / weights;
+            assert!((advance(depth) - exact).abs() < 1e-8 + 1e-6 * exact, "{depth}: {} {exact}", advance(depth));
+        }
+    }
+
+    #[test]
+    fn parts_of_a_ramp_of_colour_are_exact() {
+        // A medium of extinction k a length whose colour rises from p to q: the closed form of its light.
+        let light = |k: f64, p: f64, q: f64, length: f64| {
+            let depth = k * length;
+            let alpha = -(-depth).exp_m1();
+            let rise = if depth > 0.0 { (alpha - depth * (-depth).exp()) / depth } else { 0.0 };
+            [p * alpha + (q - p) * rise, alpha]
+        };
+        for k in [1e-5, 0.01, 0.4, 2.0, 9.0] {
+            let [ahead, alpha] = light(k, 0.9, 0.1, 1.0);
+            let [behind, _] = light(k, 0.1, 0.9, 1.0);
+            for ratio in [1e-3, 0.25, 0.5, 1.0, 2.5] {
+                let of = |light: f64| [light as f32, 0.0, 0.0, alpha as f32];
+                let found = correct_segment(of(ahead), of(behind), ratio);
+                let exact = light(k, 0.9, 0.1, f64::from(ratio));
+                for (found, exact) in [(found[0], exact[0]), (found[3], exact[1])] {
+                    let near = (f64::from(found) - exact).abs() < 1e-3 * exact.min(1e-2) + 2e-5 * exact;
+                    assert!(near, "extinction {k} over {ratio}: {found}, exact {exact}");
+                }
+            }
+        }
+        assert_eq!(correct_segment([0.5, 0.5, 0.5, 1.0], [0.9, 0.9, 0.9, 1.0], 0.5), [0.5, 0.5, 0.5, 1.0]);
+        assert_eq!(correct_segment([0.0; 4], [0.0; 4], 0.5), [0.0; 4]);
     }
 
     #[test]

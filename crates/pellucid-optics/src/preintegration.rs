@@ -9,15 +9,14 @@ use rayon::prelude::*;
 
 use crate::error::checked;
 use crate::opacity::opacity_from_extinction;
-use crate::segment::{Medium, Segment};
-use crate::{DataRange, Nodes, OpticsError, TransferFunction, correct_associated, over};
+use crate::segment::{Cells, Medium, Segment};
+use crate::{DataRange, Nodes, OpticsError, TransferFunction, correct_associated, correct_segment, over};
 
 /// Associated linear RGB and opacity of a segment, by the data values at its front (the end
 /// nearer to the eye) and its back.
 ///
-/// All segments of a table have one length, given in unit distances. For another length pass the
-/// entry to [`correct_associated`] (7.3-4): exact in opacity, and in colour where the colour is
-/// constant along the segment.
+/// All segments of a table have one length, given in unit distances. Other lengths are made of the entries of a segment
+/// and of its reverse by [`correct_segment`] (7.3-4).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreIntegration {
     nodes: Nodes,
@@ -55,7 +54,7 @@ impl PreIntegration {
             std::cmp::Ordering::Greater => spans[front - back - 1][1][back].to_entry(),
             std::cmp::Ordering::Equal => constant(tf, nodes.value(front), ratio),
         };
-        Ok(Self::fill(nodes, entry))
+        Ok(Self::fill(&nodes, entry))
     }
 
     /// The quick table, from the integrals of the curves alone (4.5-4): the opacity is exact, the
@@ -82,36 +81,51 @@ impl PreIntegration {
             let scale = if depth > 0.0 { alpha / depth } else { 0.0 };
             [0, 1, 2, 3].map(|c| if c == 3 { alpha as f32 } else { ((b[c] - a[c]) * scale) as f32 })
         };
-        Ok(Self::fill(nodes, entry))
+        Ok(Self::fill(&nodes, entry))
     }
 
     /// The full table for this data: over the values where `tf` varies on it (as
-    /// [`Nodes::for_data`]), with 256 nodes per side for data of up to 256 levels and 512 for
-    /// others.
+    /// [`Nodes::for_data`]), with 256 even nodes per side for data of up to 256 levels and 512 for
+    /// others, if those follow the curve; with up to 512 nodes at its control points and around them if not.
     ///
     /// # Errors
     /// As [`PreIntegration::build`].
     pub fn for_data(tf: &TransferFunction, data: &DataRange, ratio: f64) -> Result<Self, OpticsError> {
-        let domain = Nodes::for_data(tf, data)?.domain();
-        let levels = data.level_spacing.map_or(f64::INFINITY, |spacing| (data.high - data.low) / spacing + 1.0);
-        Self::build(tf, domain, if levels <= 256.0 { 256 } else { 512 }, ratio)
+        let nodes = Nodes::for_segments(tf, data)?;
+        if nodes.knots().is_empty() {
+            return Self::build(tf, nodes.domain(), nodes.count(), ratio);
+        }
+        check_ratio(ratio)?;
+        let cells = Cells::new(tf, &nodes);
+        // Uneven cells share no windows: every segment is composed of its own.
+        let last = nodes.count() - 1;
+        let rows: Vec<Vec<[Segment; 2]>> = (0..last)
+            .into_par_iter()
+            .map(|low| (low + 1..=last).map(|high| cells.between(low, high, ratio)).collect())
+            .collect();
+        let entry = |front: usize, back: usize| match front.cmp(&back) {
+            std::cmp::Ordering::Less => rows[front][back - front - 1][0].to_entry(),
+            std::cmp::Ordering::Greater => rows[back][front - back - 1][1].to_entry(),
+            std::cmp::Ordering::Equal => constant(tf, nodes.value(front), ratio),
+        };
+        Ok(Self::fill(&nodes, entry))
     }
 
     fn nodes_for(domain: [f64; 2], size: usize, ratio: f64) -> Result<Nodes, OpticsError> {
         let (least, most) = Self::SIZES.into_inner();
         checked("size of a pre-integration table", size as f64, least as f64..=most as f64, "64 to 1024")?;
-        checked("segment in unit distances", ratio, 0.0..=f32::MAX as f64, "0 or more")?;
+        check_ratio(ratio)?;
         Nodes::new(domain, size)
     }
 
-    fn fill(nodes: Nodes, entry: impl Fn(usize, usize) -> [f32; 4] + Sync) -> Self {
+    fn fill(nodes: &Nodes, entry: impl Fn(usize, usize) -> [f32; 4] + Sync) -> Self {
         let count = nodes.count();
         let mut entries = vec![[0.0; 4]; count * count];
         let fill = |(back, row): (usize, &mut [[f32; 4]])| {
             row.iter_mut().enumerate().for_each(|(front, place)| *place = entry(front, back));
         };
         parallel(|| entries.par_chunks_mut(count).enumerate().for_each(fill));
-        Self { nodes, entries }
+        Self { nodes: nodes.clone(), entries }
     }
 
     /// Where the entries are, on both sides.
@@ -126,24 +140,32 @@ impl PreIntegration {
 
     /// Associated linear RGB and opacity of a segment from data value `front` to `back`; zero if
     /// either is absent.
+    pub fn lookup(&self, front: f32, back: f32) -> [f32; 4] {
+        self.over_length(front, back, 1.0)
+    }
+
+    /// The same of a segment that has `length` times the length of the table's.
     ///
     /// The parts of a segment beyond the domain, where the medium is constant, are composed with
     /// the part within, each with its own share of the length.
-    pub fn lookup(&self, front: f32, back: f32) -> [f32; 4] {
+    pub fn over_length(&self, front: f32, back: f32, length: f32) -> [f32; 4] {
         if !(front.is_finite() && back.is_finite()) {
             return [0.0; 4];
         }
-        let positions = [front, back].map(|value| self.nodes.position(value));
-        let inside = [front, back].map(|value| self.nodes.clamped_position(value));
-        let within = self.bilinear(inside[0], inside[1]);
-        if positions == inside || inside[0] == inside[1] {
-            return within;
+        let [low, high] = self.nodes.ends();
+        let inside = [front, back].map(|value| value.clamp(low, high));
+        let [x, y] = inside.map(|value| self.nodes.clamped_position(value));
+        let part = |ratio: f32| match ratio {
+            1.0 => self.bilinear(x, y),
+            _ => correct_segment(self.bilinear(x, y), self.bilinear(y, x), ratio),
+        };
+        if [front, back] == inside || inside[0] == inside[1] {
+            return part(length);
         }
-        let length = (positions[1] - positions[0]).abs();
-        let shares = [0, 1].map(|end| (positions[end] - inside[end]).abs() / length);
-        let constant = |end: usize| correct_associated(self.bilinear(inside[end], inside[end]), shares[end]);
-        let within = correct_associated(within, 1.0 - shares[0] - shares[1]);
-        over(over(constant(0), within), constant(1))
+        let whole = (back - front).abs();
+        let shares = [(front - inside[0]).abs() / whole, (back - inside[1]).abs() / whole];
+        let constant = |at: f32, share: f32| correct_associated(self.bilinear(at, at), share * length);
+        over(over(constant(x, shares[0]), part((1.0 - shares[0] - shares[1]) * length)), constant(y, shares[1]))
     }
 
     fn bilinear(&self, front: f32, back: f32) -> [f32; 4] {
@@ -155,6 +177,10 @@ impl PreIntegration {
             near + (far - near) * t
         })
     }
+}
+
+fn check_ratio(ratio: f64) -> Result<(), OpticsError> {
+    checked("segment in unit distances", ratio, 0.0..=f32::MAX as f64, "0 or more")
 }
 
 /// A segment without change of value: what post-classification gives (4.6-1).

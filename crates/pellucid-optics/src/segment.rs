@@ -1,6 +1,6 @@
 //! The medium along a segment whose data value changes linearly, in double precision.
 
-use crate::opacity::extinction;
+use crate::opacity::{advance, extinction};
 use crate::{Nodes, TransferFunction};
 
 /// Extinction per unit distance that stands for opacity 1, where it is infinite: nothing is seen
@@ -32,7 +32,7 @@ impl Segment {
     }
 }
 
-/// A transfer function between nodes: extinction and colour of evenly spaced pieces of each cell.
+/// A transfer function between even nodes: extinction and colour of evenly spaced pieces of each cell.
 pub(crate) struct Medium {
     pieces: Vec<Piece>,
     per_cell: usize,
@@ -87,6 +87,62 @@ impl Medium {
             integrals.push(sum);
         }
         integrals
+    }
+}
+
+/// A transfer function between nodes that are anywhere: the medium in each cell.
+pub(crate) struct Cells {
+    nodes: Vec<f64>,
+    cells: Vec<Cell>,
+}
+
+/// A cell, whose colour changes along its optical depth from one end to the other.
+struct Cell {
+    piece: Piece,
+    ends: [[f64; 3]; 2],
+}
+
+impl Cells {
+    /// The medium between any two neighbouring nodes.
+    pub(crate) fn new(tf: &TransferFunction, nodes: &Nodes) -> Self {
+        let breaks = tf.values();
+        let nodes: Vec<f64> = (0..nodes.count()).map(|node| nodes.value(node)).collect();
+        let color = |value: f64| tf.color(value).map(f64::from);
+        let cell = |ends: &[f64]| Cell {
+            piece: Piece::between(tf, &breaks, ends[0], ends[1]),
+            ends: [color(ends[0]), color(ends[1])],
+        };
+        let cells = nodes.windows(2).map(cell).collect();
+        Self { nodes, cells }
+    }
+
+    /// Segments of `length` unit distances from node `low` to node `high` and the other way.
+    pub(crate) fn between(&self, low: usize, high: usize, length: f64) -> [Segment; 2] {
+        let per_value = length / (self.nodes[high] - self.nodes[low]);
+        let (mut ascending, mut descending) = (Segment::EMPTY, Segment::EMPTY);
+        for (cell, ends) in self.cells[low..high].iter().zip(self.nodes[low..=high].windows(2)) {
+            if cell.piece.extinction > 0.0 {
+                let [up, down] = cell.both_ways((ends[1] - ends[0]) * per_value);
+                (ascending, descending) = (ascending.then(up), down.then(descending));
+            }
+        }
+        [ascending, descending]
+    }
+}
+
+impl Cell {
+    /// This, of a length in unit distances, from its lower to its upper end and the other way.
+    fn both_ways(&self, length: f64) -> [Segment; 2] {
+        let depth = self.piece.extinction * length;
+        let (transparency, ahead) = ((-depth).exp(), advance(depth));
+        let color = |from: &[f64; 3], to: &[f64; 3]| {
+            std::array::from_fn(|c| {
+                let color = self.piece.color[c] + (from[c] - to[c]) * ahead;
+                color.clamp(from[c].min(to[c]), from[c].max(to[c])) * (1.0 - transparency)
+            })
+        };
+        let [low, high] = &self.ends;
+        [color(low, high), color(high, low)].map(|color| Segment { color, transparency })
     }
 }
 

@@ -48,7 +48,7 @@ impl Table {
             let [r, g, b] = color(self.nodes.value(node), entry);
             [r, g, b, entry[3]]
         };
-        Self { nodes: self.nodes, entries: self.entries.iter().enumerate().map(entry).collect() }
+        Self { nodes: self.nodes.clone(), entries: self.entries.iter().enumerate().map(entry).collect() }
     }
 
     /// Where the entries are.
@@ -90,7 +90,7 @@ impl StepTable {
             let alpha = correct_opacity(alpha, ratio);
             [r * alpha, g * alpha, b * alpha, alpha]
         };
-        Ok(Self { nodes: table.nodes, entries: table.entries.iter().map(associate).collect() })
+        Ok(Self { nodes: table.nodes.clone(), entries: table.entries.iter().map(associate).collect() })
     }
 
     /// The table for steps of `ratio` unit distances through what holds each colour back in its own way; the opacity

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::control_point::{check, jumps, locate, read_points};
+use crate::control_point::{check, locate, read_points};
 use crate::error::checked;
 use crate::{Color, ColorPoint, ColorSpace, OpacityPoint, OpticsError};
 
@@ -154,11 +154,6 @@ impl TransferFunction {
         let mut values: Vec<f64> = colors.chain(self.opacities.iter().map(|point| point.value)).collect();
         values.sort_by(f64::total_cmp);
         values
-    }
-
-    /// Whether either curve jumps anywhere.
-    pub(crate) fn jumps(&self) -> bool {
-        jumps(&self.colors) || jumps(&self.opacities)
     }
 
     /// The same curves with every value shifted and scaled so that the interval `from` becomes

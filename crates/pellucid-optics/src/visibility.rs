@@ -17,7 +17,7 @@ impl Visibility {
     /// has no opacity here exactly if no look-up in it returns any.
     pub fn of_table(table: &Table) -> Self {
         let opacities = table.entries().iter().map(|entry| entry[3]).collect();
-        Self::new(*table.nodes(), opacities)
+        Self::new(table.nodes().clone(), opacities)
     }
 
     /// For segments whose ends lie in the interval: peaks between nodes count too. An interval
@@ -33,7 +33,7 @@ impl Visibility {
             let cells = node.saturating_sub(1)..=(node + 2).min(nodes.count() - 1);
             peaks[cells].iter_mut().for_each(|peak| *peak = peak.max(point.opacity));
         }
-        Self::new(*nodes, peaks)
+        Self::new(nodes.clone(), peaks)
     }
 
     fn new(nodes: Nodes, opacities: Vec<f32>) -> Self {

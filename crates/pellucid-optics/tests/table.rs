@@ -66,13 +66,17 @@ fn step_table_holds_the_opacity_of_a_step() {
 #[test]
 fn integer_data_have_a_node_at_every_level() {
     // A CT: stored 12 bit, Hounsfield units from -1024 to 3071, a function of 300 to 1700 HU.
-    let tf = opacities(&[(300.0, 0.0), (300.0, 0.2), (1699.5, 0.9), (1700.0, 0.0)]);
+    let smooth = opacities(&[(300.0, 0.0), (301.0, 0.2), (1699.0, 0.9), (1700.0, 0.0)]);
     let ct = DataRange { low: -1024.0, high: 3071.0, level_spacing: Some(1.0) };
-    let table = Table::for_data(&tf, &ct).unwrap();
-    assert_eq!(table.nodes().domain(), [299.0, 1701.0]);
-    assert_eq!(table.nodes().count(), 1403);
-    for level in -1024..=3071 {
-        assert!((table.lookup(level as f32)[3] - tf.opacity(level as f64)).abs() < 1e-6, "{level}");
+    let nodes = Table::for_data(&smooth, &ct).unwrap().nodes().clone();
+    assert_eq!((nodes.domain(), nodes.count()), ([299.0, 1701.0], 1403));
+    // With a jump and a corner between levels, which have nodes of their own (see placement.rs).
+    let jumping = opacities(&[(300.0, 0.0), (300.0, 0.2), (1699.5, 0.9), (1700.0, 0.0)]);
+    for tf in [smooth, jumping] {
+        let table = Table::for_data(&tf, &ct).unwrap();
+        for level in -1024..=3071 {
+            assert!((table.lookup(level as f32)[3] - tf.opacity(level as f64)).abs() < 1e-6, "{level}");
+        }
     }
     // 8-bit data with a slope, and a mask: levels are subdivided to 256 nodes or more.
     for (low, high, spacing) in [(-1.0, -1.0 + 255.0 * 0.25, 0.25), (0.0, 1.0, 1.0), (7.0, 7.0, 1.0)] {

@@ -17,23 +17,23 @@ pub struct LightTables {
 }
 
 impl LightTables {
-    /// The tables of a volume of a stage, with that of its transfer function.
+    /// The tables of a volume of a stage, with that of its transfer function, over a range of data values.
     ///
     /// # Errors
     /// As [`Nodes::new`](pellucid_optics::Nodes::new).
-    pub fn new(stage: &Stage, volume: &StageVolume, table: &Table) -> Result<Self, OpticsError> {
+    pub fn new(stage: &Stage, volume: &StageVolume, table: &Table, data: &DataRange) -> Result<Self, OpticsError> {
         if !stage.scatters() {
             return Ok(Self::default());
         }
-        let (scattering, data) = (&volume.scattering, DataRange::of(&volume.volume));
+        let scattering = &volume.scattering;
         let ratio = stage.step / volume.unit_distance();
         let albedo = (scattering.albedo != Albedo::Color).then(|| {
             let albedo = |value, entry| scattering.at(value, entry).albedo;
             steps(&table.recolored(albedo), ratio as f32, stage.chroma(volume).as_ref())
         });
         let transport =
-            stage.half_angle().map(|_| TransportTable::new(scattering, &data, ratio)).transpose()?.flatten();
-        Ok(Self { scatter: Some(ScatterTable::new(scattering, table, &data)?), albedo: albedo.transpose()?, transport })
+            stage.half_angle().map(|_| TransportTable::new(scattering, data, ratio)).transpose()?.flatten();
+        Ok(Self { scatter: Some(ScatterTable::new(scattering, table, data)?), albedo: albedo.transpose()?, transport })
     }
 }
 

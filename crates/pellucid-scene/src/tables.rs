@@ -180,6 +180,8 @@ pub struct Tables {
     pub component: usize,
     /// How `field` is read: never a B-spline with prefilter.
     pub filter: Filter,
+    /// What values the field can have.
+    pub range: DataRange,
     /// Colour and opacity per unit distance.
     pub table: Table,
     /// Associated colour and opacity of one step.
@@ -214,12 +216,12 @@ impl Tables {
             filter => (volume.volume.clone(), volume.component, filter),
         };
         let tf = &volume.transfer_function;
-        let range = DataRange::of(&volume.volume);
+        let range = reached(&volume.volume, &field, filter);
         let ratio = stage.step / volume.unit_distance();
         let table = Table::for_data(tf, &range)?;
         let chroma = stage.chroma(volume);
         let step_table = steps(&table, ratio as f32, chroma.as_ref())?;
-        let light = LightTables::new(stage, volume, &table)?;
+        let light = LightTables::new(stage, volume, &table, &range)?;
         let composited = matches!(stage.mode(), Mode::Composite);
         let preintegration =
             (composited && quality.classification == Classification::PreIntegrated && chroma.is_none())
@@ -268,6 +270,7 @@ impl Tables {
             field,
             component,
             filter,
+            range,
             table,
             step_table,
             stride_entries,
@@ -286,6 +289,13 @@ pub(crate) fn steps(table: &Table, ratio: f32, chroma: Option<&Chroma>) -> Resul
         Some(chroma) => StepTable::chromatic(table, ratio, chroma),
         None => StepTable::new(table, ratio),
     }
+}
+
+/// The values that the filter can make of what it reads: voxels, or coefficients whose range is wider.
+fn reached(volume: &Volume, field: &Volume, filter: Filter) -> DataRange {
+    let read = DataRange::of(field);
+    let beyond = filter.overshoot() * (read.high - read.low);
+    DataRange::of(volume).reaching(read.low - beyond, read.high + beyond)
 }
 
 /// The blocks that are kept, if they are of this, or new ones in their place.

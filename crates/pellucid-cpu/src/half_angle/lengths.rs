@@ -1,7 +1,7 @@
 //! What a slab takes of light that crosses all of it, and half of it, as tables: a directional light travels as far in
 //! every slab, so that most samples need no power.
 
-use pellucid_optics::{DataRange, OpticsError, StepTable, TransportTable};
+use pellucid_optics::{OpticsError, StepTable, TransportTable};
 use pellucid_scene::half_angle::Ways;
 
 use crate::classify::Lookup;
@@ -30,8 +30,7 @@ impl Lengths {
         let (volume, tables) = (prepared.volume, &prepared.tables);
         let ratio = f64::from(steps) * prepared.stage.step / volume.unit_distance();
         let least = prepared.stage.chroma(volume).map_or(1.0, |chroma| chroma.least);
-        let data = DataRange::of(&volume.volume);
-        let transport = |share: f64| TransportTable::new(&volume.scattering, &data, ratio * share);
+        let transport = |share: f64| TransportTable::new(&volume.scattering, &tables.range, ratio * share);
         let transport = match tables.light.transport {
             Some(_) => transport(1.0)?.zip(transport(0.5)?).map(<[TransportTable; 2]>::from),
             None => None,

@@ -12,7 +12,7 @@ impl Extinctions {
     /// Those of a table whose opacities hold for `unit_distance` world units.
     pub fn new(table: &Table, unit_distance: f64) -> Self {
         let entries = table.entries().iter().map(|entry| path_extinction(entry[3], unit_distance)).collect();
-        Self { nodes: *table.nodes(), entries }
+        Self { nodes: table.nodes().clone(), entries }
     }
 
     /// The extinction at a data value; none where the value is absent.

@@ -113,23 +113,23 @@ impl Reference<'_> {
             };
             let distance = (start + end) / 2.0;
             let value = self.field.value(self.field.index(path.ray.at(distance)));
-            let color = shortened(self.integral(front, back), length / self.stage.step);
+            let color = self.integral(front, back, length);
             Sample { distance, value, color }
         };
         nodes.windows(2).map(segment).collect()
     }
 
-    /// A full step along which the value runs straight: from the table, if this reference has one,
+    /// A length along which the value runs straight: from the table, if this reference has one,
     /// or in thin slices.
-    fn integral(&self, front: f64, back: f64) -> [f64; 4] {
+    fn integral(&self, front: f64, back: f64, length: f64) -> [f64; 4] {
         const SLICES: usize = 48;
         if let Some(table) = &self.table {
-            return table.lookup(front as f32, back as f32).map(f64::from);
+            return table.over_length(front as f32, back as f32, (length / self.stage.step) as f32).map(f64::from);
         }
         let mut sum = [0.0; 4];
         for slice in 0..SLICES {
             let value = front + (back - front) * (slice as f64 + 0.5) / SLICES as f64;
-            let alpha = self.opacity(value, self.stage.step / SLICES as f64);
+            let alpha = self.opacity(value, length / SLICES as f64);
             let [r, g, b] = self.color(value);
             let share = (1.0 - sum[3]) * alpha;
             sum = [sum[0] + share * r, sum[1] + share * g, sum[2] + share * b, sum[3] + share];

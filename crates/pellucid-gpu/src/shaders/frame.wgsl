@@ -27,7 +27,7 @@ struct Frame {
     world_z: vec4<f32>,
     // Middle of the picture in pixels, side of a pixel, step in world lengths.
     picture: vec4<f32>,
-    // Data value = stored * x + y; node of a table = (value - z) * w.
+    // Data value = stored * x + y; even node of a table = (value - z) * w.
     values: vec4<f32>,
     // Unlit part, diffuse, specular, shininess.
     material: vec4<f32>,
@@ -42,6 +42,9 @@ struct Frame {
     shadows: vec4<f32>,
     // Extinctions of each colour over that of the one that is lost least, whose opacities all opacities are.
     chroma: vec4<f32>,
+    // Data values of the table's first and last node; how many rows at the end of its entries tell where the others
+    // are, 0 if they are even.
+    table: vec4<f32>,
     // Columns that are drawn, the first of them, rays per pixel and axis, 1 for a perspective.
     size: vec4<u32>,
     // Voxels of the whole grid; nodes of the table.

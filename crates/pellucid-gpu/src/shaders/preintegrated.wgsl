@@ -8,7 +8,7 @@
 #import pellucid::field::is_present
 #import pellucid::march::State
 #import pellucid::surface::add_sample
-#import pellucid::table::{clamped_node, entries, node_of, over, over_length}
+#import pellucid::table::{clamped_node, entries, over, over_length, segment_over}
 
 // The entry between two nodes of the table: front + count * back.
 fn bilinear(front: f32, back: f32) -> vec4<f32> {
@@ -22,19 +22,26 @@ fn bilinear(front: f32, back: f32) -> vec4<f32> {
     return mix(near, far, back - f32(y));
 }
 
-// A full step from one value to another. The parts beyond the table, where the medium is constant,
-// are composed with the part within, each with its own share of the length.
-fn integral(front: f32, back: f32) -> vec4<f32> {
-    let at = vec2<f32>(node_of(front), node_of(back));
-    let inside = vec2<f32>(clamped_node(front), clamped_node(back));
-    let within = bilinear(inside.x, inside.y);
-    if all(at == inside) || inside.x == inside.y {
-        return within;
+// A segment within the table.
+fn within(at: vec2<f32>, length: f32) -> vec4<f32> {
+    if length == 1.0 {
+        return bilinear(at.x, at.y);
     }
-    let shares = abs(at - inside) / abs(at.y - at.x);
-    let first = over_length(bilinear(inside.x, inside.x), shares.x);
-    let middle = over_length(within, 1.0 - shares.x - shares.y);
-    let last = over_length(bilinear(inside.y, inside.y), shares.y);
+    return segment_over(bilinear(at.x, at.y), bilinear(at.y, at.x), length);
+}
+
+// So many steps from one value to another. The parts beyond the table, where the medium is constant, are composed with
+// the part within, each with its own share of the length.
+fn integral(values: vec2<f32>, length: f32) -> vec4<f32> {
+    let inside = clamp(values, frame.table.xx, frame.table.yy);
+    let at = vec2<f32>(clamped_node(inside.x), clamped_node(inside.y));
+    if all(values == inside) || inside.x == inside.y {
+        return within(at, length);
+    }
+    let shares = abs(values - inside) / abs(values.y - values.x);
+    let first = over_length(bilinear(at.x, at.x), shares.x * length);
+    let middle = within(at, (1.0 - shares.x - shares.y) * length);
+    let last = over_length(bilinear(at.y, at.y), shares.y * length);
     return over(over(first, middle), last);
 }
 
@@ -43,13 +50,13 @@ fn between(front: f32, back: f32, length: f32) -> vec4<f32> {
     let has_front = is_present(front);
     let has_back = is_present(back);
     if has_front && has_back {
-        return over_length(integral(front, back), length);
+        return integral(vec2<f32>(front, back), length);
     }
     if !has_front && !has_back {
         return vec4<f32>(0.0);
     }
     let value = select(back, front, has_front);
-    return over_length(integral(value, value), length * 0.5);
+    return integral(vec2<f32>(value), length * 0.5);
 }
 
 // Returns whether the ray is done.

@@ -7,7 +7,7 @@
 #import pellucid::field::{field_value, is_present}
 #import pellucid::march::State
 #import pellucid::slices::slices
-#import pellucid::table::{clamped_node, node_of}
+#import pellucid::table::even_node
 
 fn visit(state: ptr<function, State>, ray: Ray, sample: Sample, p: vec3<f32>) -> bool {
     let value = field_value(p);
@@ -18,9 +18,9 @@ fn visit(state: ptr<function, State>, ray: Ray, sample: Sample, p: vec3<f32>) ->
     let last = f32(frame.dims.w - 1u);
 #ifdef MEAN
     let weight = sample.ratio * slices.strides.z;
-    (*state).color = color + vec4<f32>(vec3<f32>(node_of(value) / last * weight), weight);
+    (*state).color = color + vec4<f32>(vec3<f32>(even_node(value) / last * weight), weight);
 #else
-    let place = vec3<f32>(clamped_node(value) / last);
+    let place = vec3<f32>(clamp(even_node(value) / last, 0.0, 1.0));
 #ifdef MINIMUM
     let best = min(select(vec3<f32>(1.0), color.rgb, color.a > 0.0), place);
 #else

@@ -6,8 +6,25 @@
 
 @group(2) @binding(0) var<storage, read> entries: array<vec4<f32>>;
 
-fn node_of(value: f32) -> f32 {
+// Where a value would be among as many even nodes.
+fn even_node(value: f32) -> f32 {
     return (value - frame.values.z) * frame.values.w;
+}
+
+// The position of a value among the nodes: by the last of the rows of value, node and slope that is not above it.
+fn node_of(value: f32) -> f32 {
+    let knots = u32(frame.table.z);
+    if knots == 0u {
+        return even_node(value);
+    }
+    var at = arrayLength(&entries) - knots;
+    for (var step = knots / 2u; step > 0u; step /= 2u) {
+        if value >= entries[at + step].x {
+            at += step;
+        }
+    }
+    let knot = entries[at];
+    return (value - knot.x) * knot.z + knot.y;
 }
 
 fn clamped_node(value: f32) -> f32 {
@@ -99,6 +116,30 @@ fn over_length(rgba: vec4<f32>, ratio: f32) -> vec4<f32> {
     }
     return vec4<f32>(rgba.rgb * (corrected / rgba.a), corrected);
 #endif
+}
+
+// How far in front of the middle the light of an optical depth comes from: `advance` of `pellucid-optics`.
+fn advance(depth: f32) -> f32 {
+    if depth < 1.0 {
+        let squared = depth * depth;
+        return depth * (1.0 / 12.0 - squared * (1.0 / 720.0 - squared * (1.0 / 30240.0 - squared / 1209600.0)));
+    }
+    return 1.0 / (1.0 - exp(-depth)) - 0.5 - 1.0 / depth;
+}
+
+// The colour of a segment over `ratio` times the length it holds for, by that of the segment seen from its other end
+// (7.3-4): `correct_segment` of `pellucid-optics`.
+fn segment_over(rgba: vec4<f32>, reversed: vec4<f32>, ratio: f32) -> vec4<f32> {
+    if ratio == 1.0 {
+        return rgba;
+    }
+    // Full opacity is a depth that f32 does not tell from more.
+    let depth = extinction(min(rgba.a, 1.0 - 6e-8));
+    var share = 0.5 * (1.0 - ratio);
+    if depth >= 1e-3 {
+        share = 0.5 * (1.0 - advance(depth * ratio) / advance(depth));
+    }
+    return over_length(vec4<f32>(mix(rgba.rgb, reversed.rgb, share), rgba.a), ratio);
 }
 
 // What is behind comes to what is in front (1.4-8).

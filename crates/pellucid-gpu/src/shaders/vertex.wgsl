@@ -5,6 +5,7 @@
 #import pellucid::frame::frame
 #import pellucid::light::{Incident, normalized}
 #import pellucid::random::random
+#import pellucid::table::node_of
 #ifdef PERTURBED
 #import pellucid::noise::{noise, variation_at, varied_color}
 #endif
@@ -38,8 +39,8 @@ fn turned_by(axis: vec3<f32>, mu: f32, across: f32, turn: f32) -> vec3<f32> {
 
 // How a sample of the medium scatters.
 fn cloud_vertex(p: vec3<f32>, value: f32, forward: vec3<f32>) -> Vertex {
-    let table = scattering.transport;
-    var albedo = entry(table, (value - table.x) * table.y).rgb;
+    // Albedos are at the nodes of the transfer function's table.
+    var albedo = entry(scattering.transport, node_of(value)).rgb;
 #ifdef PERTURBED
     if noise.counts.y > 0u {
         albedo = varied_color(variation_at(p), albedo, 1.0);
