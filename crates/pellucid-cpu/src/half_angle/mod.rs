@@ -25,8 +25,8 @@ mod transport;
 mod tests;
 
 use pellucid_optics::ResolvedLight;
-use pellucid_scene::half_angle::{Geometry, LightError, lights, material};
-use pellucid_scene::{Control, HalfAngle};
+use pellucid_scene::half_angle::{Geometry, LightError, into_cone, lights, material};
+use pellucid_scene::{Control, HalfAngle, InScatter};
 use rayon::prelude::*;
 
 use crate::RenderError;
@@ -200,6 +200,8 @@ impl Drawing<'_> {
             frame: &self.geometry.frame,
             ways: self.geometry.ways,
             correction: settings.correction,
+            into_cone: (settings.in_scatter != InScatter::Indirect)
+                .then(|| into_cone(&prepared.volume.scattering, settings)),
             scales: [settings.direct, settings.indirect],
             skip: prepared.grids.skip.as_ref(),
             varied: prepared.varied(),
