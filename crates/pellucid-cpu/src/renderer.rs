@@ -170,6 +170,7 @@ fn render(
     };
     frame.warnings.clear();
     frame.warnings.extend(stage.fallbacks());
+    frame.warnings.extend(stage.cautions(usize::MAX));
     if tally.visible == 0 {
         frame.warnings.push(RenderWarning::empty(rays_hit));
     }

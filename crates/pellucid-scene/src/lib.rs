@@ -9,6 +9,7 @@ mod auto;
 mod blocks;
 mod blue_noise;
 mod camera;
+mod cautions;
 mod check;
 mod check_optics;
 mod choice;

@@ -1,8 +1,10 @@
 //! What every backend asks of a stage before it draws.
 
 use glam::DVec3;
+use pellucid_field::FieldError;
 use pellucid_optics::{Chroma, ShadowRays, ShadowVolume, Shadows};
 
+use crate::half_angle::LightPoints;
 use crate::{
     Classification, HalfAngle, Mode, PathTrace, Region, RenderWarning, Slice, Slicing, Stage, StageVolume, Technique,
 };
@@ -69,6 +71,16 @@ impl Stage {
             }
             _ => None,
         }
+    }
+
+    /// The points of a light volume, if what is lit of a volume asks for one: at most `side` along an axis, those of all
+    /// lights along the last.
+    ///
+    /// # Errors
+    /// As [`LightPoints::new`].
+    pub fn light_points(&self, volume: &StageVolume, side: usize) -> Result<Option<LightPoints>, FieldError> {
+        let points = |resolution| LightPoints::new(volume.volume.grid(), resolution, self.lights.len(), side);
+        self.light_resolution(volume).map(points).transpose()
     }
 
     /// How many steps of a length off the sample shadow rays begin: off surfaces, as far as the roughness of sampled

@@ -37,7 +37,9 @@ impl LightVolume {
         control: &Control,
     ) -> Result<Self, RenderError> {
         let grid = prepared.grid();
-        let LightPoints { grid: points, low, spacing, texels } = LightPoints::new(grid, resolution)?;
+        let lights = prepared.stage.lights.len();
+        let LightPoints { grid: points, low, spacing, texels, .. } =
+            LightPoints::new(grid, resolution, lights, usize::MAX)?;
         let geometry =
             Geometry::of_light(prepared.stage.step, grid, light, texels).ok_or(LightError::Inside { light: number })?;
         let direct = HalfAngle { indirect: 0.0, ..HalfAngle::default() };
