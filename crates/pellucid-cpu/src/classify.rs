@@ -245,13 +245,7 @@ impl Segments<'_> {
     /// Associated linear RGB and opacity of segments from `front` to `back`, both present, that are `length` steps
     /// long: the vectors' form of [`PreIntegration::over_length`].
     #[inline(always)]
-    pub fn lookup<S: Lanes>(
-        &self,
-        s: S,
-        [front, back]: [F32<S>; 2],
-        length: F32<S>,
-        lanes: Mask<S>,
-    ) -> [F32<S>; 4] {
+    pub fn lookup<S: Lanes>(&self, s: S, [front, back]: [F32<S>; 2], length: F32<S>, lanes: Mask<S>) -> [F32<S>; 4] {
         let nodes = self.0.nodes();
         let last = nodes.count() - 1;
         let x = limited(s, position(s, nodes, front), last);

@@ -176,6 +176,7 @@ fn render(
     };
     frame.warnings.clear();
     frame.warnings.extend(stage.fallbacks());
+    frame.warnings.extend(stage.cautions(usize::MAX));
     frame.backdrop = stage.backdrop();
     if tally.visible == 0 || stage.is_too_faint(frame) {
         frame.warnings.push(RenderWarning::empty(stage, rays_hit));

@@ -57,13 +57,17 @@ impl PartialEq for Same {
     }
 }
 
+/// Most points along an axis, those of all lights along the last.
+pub fn side(device: &Device) -> usize {
+    device.capabilities.limits.max_texture_dimension_3d as usize
+}
+
 /// The most bytes that making and keeping the light volumes of a stage takes; 0 if it asks for none.
 ///
 /// # Errors
 /// [`GpuError::Tables`] if there are too many points.
-pub fn bytes(stage: &Stage, volume: &StageVolume) -> Result<u64, GpuError> {
-    let Some(resolution) = stage.light_resolution(volume) else { return Ok(0) };
-    let points = LightPoints::new(volume.volume.grid(), resolution).map_err(TableError::from)?;
+pub fn bytes(device: &Device, stage: &Stage, volume: &StageVolume) -> Result<u64, GpuError> {
+    let Some(points) = stage.light_points(volume, side(device)).map_err(TableError::from)? else { return Ok(0) };
     let side = points.texels + 1;
     Ok(4 * (points.grid.len() * stage.lights.len()) as u64 + Layers::bytes([side; 2], RUN + 1))
 }
@@ -112,7 +116,8 @@ impl LightVolumes {
         let optics = Optics::of_light(stage, volume, &of.tables.0);
         let uploads = Uploads::new(device, &of.tables.0, &optics);
         let LightPoints { grid: points, texels, .. } =
-            LightPoints::new(volume.volume.grid(), of.resolution).map_err(TableError::from)?;
+            LightPoints::new(volume.volume.grid(), of.resolution, of.lights.len(), side(device))
+                .map_err(TableError::from)?;
         let texture = create(device, points.dims(), of.lights.len())?;
         let view = texture.create_view(&Default::default());
         let interpolation = half_angle::interpolation(device, of.drawing);
@@ -145,11 +150,11 @@ impl LightVolumes {
 /// A texture of points, one light behind the other.
 fn create(device: &Device, [width, height, depth]: [usize; 3], lights: usize) -> Result<Texture, GpuError> {
     let dims = [width, height, depth * lights];
-    let most = device.capabilities.limits.max_texture_dimension_3d as usize;
+    let most = side(device);
     if dims.into_iter().any(|points| points > most) {
         let what = format!("the light volume with {width} x {height} x {depth} points for each of {lights} lights");
         let (needed, budget) = (4 * dims.into_iter().max().unwrap_or(0) as u64, 4 * most as u64);
-        let advice = "lower lighting.shadows.volume.resolution";
+        let advice = "use fewer lights, or lower lighting.shadows.volume.resolution";
         return Err(GpuError::Budget { what, needed, budget, advice });
     }
     Ok(device.device.create_texture(&TextureDescriptor {

@@ -253,7 +253,7 @@ impl GpuRenderer {
                 border: bricks::border(stage, volume.volume.grid(), 1.0),
                 pixel_bytes: 0,
                 frame_bytes: stage.half_angle().map_or(0, half_angle::bytes)
-                    + light_volume::bytes(stage, volume)?
+                    + light_volume::bytes(&self.device, stage, volume)?
                     + path_trace::bytes(&self.device, sky.as_ref())?,
             },
         };
@@ -342,6 +342,7 @@ impl GpuRenderer {
             ..frame.statistics
         };
         frame.warnings.extend(stage.fallbacks());
+        frame.warnings.extend(stage.cautions(light_volume::side(device)));
         frame.backdrop = stage.backdrop();
         if frame.statistics.samples_visible == 0 || stage.is_too_faint(frame) {
             frame.warnings.push(RenderWarning::empty(stage, frame.statistics.rays_hit));

@@ -8,8 +8,8 @@ use common::{LEVEL, difference, draw, gpu, sample, side, stage};
 use pellucid_cpu::CpuRenderer;
 use pellucid_field::{Grid, Volume, VoxelType};
 use pellucid_gpu::{Ceiling, GpuError, Part};
-use pellucid_scene::Control;
 use pellucid_scene::half_angle::LightError;
+use pellucid_scene::{Control, RenderWarning};
 
 const LIGHTS: &str = "lights = [{ kind.directional.direction = [0.8, 0.4, -0.5] }, \
     { kind.point = { position = [-20, -15, 18], falloff = \"none\" }, intensity = 0.5 }]";
@@ -136,14 +136,20 @@ fn light_volumes_are_those_of_the_stage() {
 #[test]
 fn a_light_volume_needs_lights_outside_and_room() {
     let volume = sample("wavelet", [24, 20, 28], VoxelType::F32);
-    let refused = |lighting: &str| {
+    let draw = |lighting: &str| {
         let text = format!("shading = true\n[lighting]\n{lighting}\n");
-        gpu(&side(40)).render(&stage(&volume, &text, [40, 34]), &Control::default()).unwrap_err()
+        gpu(&side(40)).render(&stage(&volume, &text, [40, 34]), &Control::default())
     };
     let inside = "shadows.volume = {}\nlights = [{ kind.point = { position = [1, 2, 3], falloff = \"none\" } }]";
-    assert_eq!(refused(inside), GpuError::Light(LightError::Inside { light: 0 }));
-    let large = refused("shadows.volume.resolution = 2.0\nlights = [{ kind.directional.direction = [1, 0, 0] }]");
-    assert!(matches!(&large, GpuError::Budget { advice, .. } if advice.contains("resolution")), "{large}");
+    assert_eq!(draw(inside).unwrap_err(), GpuError::Light(LightError::Inside { light: 0 }));
+    // Where there is less room, points are further apart; two for each light are the fewest.
+    let light = "{ kind.directional.direction = [1, 0, 0] }";
+    let large = draw(&format!("shadows.volume.resolution = 2.0\nlights = [{light}]")).unwrap();
+    let is_told =
+        |warning: &RenderWarning| matches!(warning, RenderWarning::Memory { reason } if reason.contains("not 2"));
+    assert!(large.warnings.iter().any(is_told), "{:?}", large.warnings);
+    let many = draw(&format!("shadows.volume = {{}}\nlights = [{}]", [light; 21].join(", "))).unwrap_err();
+    assert!(matches!(&many, GpuError::Budget { advice, .. } if advice.contains("resolution")), "{many}");
 }
 
 #[test]

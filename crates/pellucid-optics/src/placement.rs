@@ -90,12 +90,7 @@ impl Nodes {
         Self::new([low, low + steps as f64 * spacing], steps * subdivision + 1).ok()
     }
 
-    fn by_error(
-        tf: &TransferFunction,
-        curves: Curves,
-        hull: [f64; 2],
-        range: [f64; 2],
-    ) -> Result<Self, OpticsError> {
+    fn by_error(tf: &TransferFunction, curves: Curves, hull: [f64; 2], range: [f64; 2]) -> Result<Self, OpticsError> {
         const MOST: usize = 16_384;
         let mut count = Self::FEWEST;
         loop {

@@ -99,10 +99,8 @@ impl PreIntegration {
         let cells = Cells::new(tf, &nodes);
         // Uneven cells share no windows: every segment is composed of its own.
         let last = nodes.count() - 1;
-        let rows: Vec<Vec<[Segment; 2]>> = (0..last)
-            .into_par_iter()
-            .map(|low| (low + 1..=last).map(|high| cells.between(low, high, ratio)).collect())
-            .collect();
+        let row = |low: usize| (low + 1..=last).map(|high| cells.between(low, high, ratio)).collect();
+        let rows: Vec<Vec<[Segment; 2]>> = parallel(|| (0..last).into_par_iter().map(row).collect());
         let entry = |front: usize, back: usize| match front.cmp(&back) {
             std::cmp::Ordering::Less => rows[front][back - front - 1][0].to_entry(),
             std::cmp::Ordering::Greater => rows[back][front - back - 1][1].to_entry(),

@@ -1,6 +1,6 @@
 //! Colours as one value per voxel.
 
-use pellucid_field::{FieldError, Volume, Voxel, Voxels};
+use pellucid_field::{FieldError, Volume, Voxel, Voxels, parallel};
 use rayon::prelude::*;
 
 /// The brightness of a volume whose voxels are colours, 3 or 4 components of 8 or 16 bits: the luma of Rec. ITU-R
@@ -30,5 +30,5 @@ fn lumas<T: Voxel>(data: &[T], components: usize, most: f64) -> Vec<T> {
         let alpha = voxel.get(3).map_or(1.0, |alpha| alpha.to_f64() / most);
         T::from_f64(((0.2126 * r + 0.7152 * g + 0.0722 * b) * alpha).round())
     };
-    data.par_chunks_exact(components).map(luma).collect()
+    parallel(|| data.par_chunks_exact(components).map(luma).collect())
 }

@@ -73,6 +73,19 @@ pub enum RenderWarning {
         /// What was missing, and what was done.
         reason: String,
     },
+    /// Matter is so dense that paths are scattered very often and get nowhere, which takes very long.
+    Dense {
+        /// The volume, by its number.
+        volume: usize,
+        /// World distance that its opacities hold for.
+        unit_distance: f64,
+        /// Largest optical depth in a voxel.
+        in_voxel: f64,
+        /// The same over the diagonal of its box.
+        across: f64,
+        /// Mean spacing of its voxels in world units.
+        voxel: f64,
+    },
 }
 
 impl RenderWarning {
@@ -87,6 +100,12 @@ impl fmt::Display for RenderWarning {
         match self {
             Self::Empty { reason } => write!(f, "the picture is empty: {reason}"),
             Self::Memory { reason } | Self::Fallback { reason } => f.write_str(reason),
+            Self::Dense { volume, unit_distance, in_voxel, across, voxel } => write!(
+                f,
+                "volumes[{volume}] has an optical depth of up to {in_voxel:.0} in a voxel and of {across:.3e} across: \
+                 paths are scattered very often, and take long; its transfer function's unit_distance is \
+                 {unit_distance:e}, a voxel {voxel:e}: opacities mostly hold for a voxel or more"
+            ),
         }
     }
 }

@@ -10,6 +10,7 @@ mod blocks;
 mod blue_noise;
 mod brightness;
 mod camera;
+mod cautions;
 mod check;
 mod check_optics;
 mod choice;

@@ -3,7 +3,7 @@
 //! Everything is a share of the values, never of their range: one hot voxel moves a range as far as it likes, and a
 //! share by nothing.
 
-use pellucid_field::Volume;
+use pellucid_field::{Volume, parallel};
 use rayon::prelude::*;
 
 /// The finite data values of a component in order, or enough of them to tell shares of a thousandth.
@@ -40,8 +40,12 @@ impl Population {
             let voxel = (k as u128 * stride as u128 % total as u128) as usize;
             map.value(voxels.get(voxel * components + component))
         };
-        let mut values: Vec<f64> = (0..count).into_par_iter().map(value).filter(|value| value.is_finite()).collect();
-        values.par_sort_unstable_by(f64::total_cmp);
+        let values = parallel(|| {
+            let there = (0..count).into_par_iter().map(value).filter(|value| value.is_finite());
+            let mut values: Vec<f64> = there.collect();
+            values.par_sort_unstable_by(f64::total_cmp);
+            values
+        });
         let level = voxels.voxel_type().is_integer().then_some(map.scale.abs());
         Self { values, level }
     }

@@ -1,9 +1,11 @@
 //! What every backend asks of a stage before it draws.
 
 use glam::DVec3;
+use pellucid_field::{FieldError, parallel};
 use pellucid_optics::{Chroma, ShadowRays, ShadowVolume, Shadows, Sky};
 use rayon::prelude::*;
 
+use crate::half_angle::LightPoints;
 use crate::{
     Background, Classification, HalfAngle, Mode, PathTrace, Region, RenderWarning, Slice, Slicing, Stage, StageVolume,
     Technique,
@@ -71,6 +73,16 @@ impl Stage {
             }
             _ => None,
         }
+    }
+
+    /// The points of a light volume, if what is lit of a volume asks for one: at most `side` along an axis, those of all
+    /// lights along the last.
+    ///
+    /// # Errors
+    /// As [`LightPoints::new`].
+    pub fn light_points(&self, volume: &StageVolume, side: usize) -> Result<Option<LightPoints>, FieldError> {
+        let points = |resolution| LightPoints::new(volume.volume.grid(), resolution, self.lights.len(), side);
+        self.light_resolution(volume).map(points).transpose()
     }
 
     /// How many steps of a length off the sample shadow rays begin: off surfaces, as far as the roughness of sampled
@@ -143,7 +155,7 @@ impl Stage {
             let ray = view.ray((pixel % view.width) as f64 + 0.5, (pixel / view.width) as f64 + 0.5);
             sky.radiance(ray.direction.as_vec3())
         };
-        (0..view.width * view.height).into_par_iter().map(radiance).collect()
+        parallel(|| (0..view.width * view.height).into_par_iter().map(radiance).collect())
     }
 
     /// The clips of a volume and, for a thick slice, the planes of its slab.

@@ -9,6 +9,10 @@ use crate::lanes::*;
 /// The rounding of positions must not cut off a tap that lies in the border.
 const TOLERANCE: f32 = 1e-4;
 
+/// Less of the box's extent is lost in the rounding of positions: a direction that leads off a side by less, on the
+/// longest way in the box, goes along it.
+const ROUNDING: f32 = 1e-6;
+
 /// The box and the clip planes around a field, in index space.
 pub struct Bounds {
     /// The box, and the last voxel.
@@ -70,15 +74,21 @@ impl Bounds {
     #[inline(always)]
     pub fn exit<S: Lanes>(&self, s: S, p: &Vec3<S>, direction: &Vec3<S>, inverse: &Vec3<S>) -> F32<S> {
         let zero = splat(s, 0.0);
+        let extent = [0, 1, 2].map(|axis| self.high[axis] - self.low[axis]);
+        let ways = xyz!(I => inverse[I].abs() * extent[I]);
+        let longest = ways[0].min(ways[1]).min(ways[2]);
         let mut nearest = splat(s, f32::INFINITY);
         for axis in 0..3 {
             let border = inverse[axis].simd_gt(zero).select(splat(s, self.high[axis]), splat(s, self.low[axis]));
-            nearest = nearest.min((border - p[axis]) * inverse[axis]);
+            // Along a side there is no end, least of all for a position on it, by rounding beyond it.
+            let leaves = (ways[axis] * ROUNDING).simd_le(longest);
+            nearest = leaves.select(nearest.min((border - p[axis]) * inverse[axis]), nearest);
         }
+        let flattest = splat(s, -ROUNDING * extent[0].max(extent[1]).max(extent[2])) / longest;
         for (normal, offset) in &self.planes {
             let normal = xyz!(I => splat(s, normal[I]));
             let (slope, above) = (dot::<S>(normal, *direction), dot::<S>(normal, *p) - *offset);
-            let leaves = slope.simd_lt(splat(s, -1e-12));
+            let leaves = slope.simd_lt(flattest);
             let crossing = above / leaves.select(-slope, splat(s, 1.0));
             nearest = leaves.select(nearest.min(crossing), nearest);
         }

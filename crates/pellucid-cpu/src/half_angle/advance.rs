@@ -92,6 +92,11 @@ impl<S: Lanes> Step<'_, S> {
                         touched |= lost.simd_ne(zero);
                         lost.store_slice(&mut next[at..at + width::<S>()]);
                     }
+                    // Beside the picture nothing is lost, on either side of it.
+                    let inside = shape.columns.saturating_sub(columns.start) * channels;
+                    if inside < length {
+                        next[inside..].fill(0.0);
+                    }
                 }
                 touched.any_true()
             },

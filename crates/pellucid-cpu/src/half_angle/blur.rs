@@ -64,7 +64,10 @@ impl<'a, S: Lanes> Blur<'a, S> {
                 Some(chroma) => chroma.each(left),
             });
             for channel in 0..3 {
-                let scattered = (1.0 - through[channel] - opacity[channel + 1]).max(0.0);
+                // Light that becomes indirect on the way loses the rest of the way as such. As a share of what gets
+                // through all of it, which the slab takes next.
+                let passing = 1.0 - opacity[channel + 1];
+                let scattered = if passing > 0.0 { (1.0 - through[channel] / passing).max(0.0) } else { 0.0 };
                 lost[channel + 1] -= scattered * self.step.phase[channel] * direct[channel];
             }
         }

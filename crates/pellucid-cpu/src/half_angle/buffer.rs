@@ -8,6 +8,8 @@ use crate::lanes::*;
 /// loses anything in, as far as a blur reaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
+    /// Texels of the picture per row. Those that make rows whole vectors belong to what is around it.
+    pub columns: usize,
     /// Texels per row and rows; rows are whole vectors.
     pub width: usize,
     pub height: usize,
@@ -20,8 +22,8 @@ pub struct Shape {
 impl Shape {
     /// For pictures of a size with so much around them, at least 2.
     pub fn new([width, height]: [usize; 2], pad: usize) -> Self {
-        let (width, pad) = (width.next_multiple_of(MOST_LANES), pad.max(2));
-        Self { width, height, pad, stride: width + 2 * pad }
+        let (columns, width, pad) = (width, width.next_multiple_of(MOST_LANES), pad.max(2));
+        Self { columns, width, height, pad, stride: width + 2 * pad }
     }
 
     /// The place of a texel.

@@ -103,6 +103,8 @@ pub struct Eye<'a, S: Lanes, F> {
     pub ways: Ways,
     /// What light loses in front of a sample.
     pub correction: LightCorrection,
+    /// Weights of direct light that becomes indirect there, if any does (6.3-7).
+    pub into_cone: Option<[f32; 3]>,
     /// Factors of direct and indirect light.
     pub scales: [f32; 2],
     /// Blocks that can contribute, if empty space is skipped.
@@ -287,7 +289,19 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
                 let left = chroma::each(s, self.chroma.as_ref(), left);
                 Some(xyz!(C => light[C] * left[C]))
             }
-            (Some(light), Some(through)) => Some(xyz!(C => light[C] * transport::over(s, through[C], halves))),
+            (Some(light), Some(through)) => {
+                let passing = xyz!(C => transport::over(s, through[C], halves));
+                let mut indirect = xyz!(C => light[C] * passing[C]);
+                if let Some(into_cone) = self.into_cone {
+                    // As light does that passes the slab.
+                    let [from, left] = [direct, left].map(|light| chroma::each(s, self.chroma.as_ref(), light));
+                    for channel in 0..3 {
+                        let scattered = (passing[channel] - left[channel]).max(splat(s, 0.0)) * into_cone[channel];
+                        indirect[channel] = from[channel].mul_add(scattered, indirect[channel]);
+                    }
+                }
+                Some(indirect)
+            }
         };
         Light { direct: direct * left, indirect }
     }

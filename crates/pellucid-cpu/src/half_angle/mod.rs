@@ -20,13 +20,14 @@ mod lengths;
 mod matter;
 mod sweep;
 mod transport;
+mod work;
 
 #[cfg(test)]
 mod tests;
 
 use pellucid_optics::ResolvedLight;
-use pellucid_scene::half_angle::{Geometry, LightError, lights, material};
-use pellucid_scene::{Control, HalfAngle};
+use pellucid_scene::half_angle::{Geometry, LightError, into_cone, lights, material};
+use pellucid_scene::{Control, HalfAngle, InScatter};
 use rayon::prelude::*;
 
 use crate::RenderError;
@@ -45,6 +46,7 @@ use eye::{Eye, EyePacket};
 pub use lengths::Lengths;
 pub use matter::Matter;
 pub use sweep::Sweep;
+pub use work::Seen;
 
 /// Draws a stage into tiles.
 ///
@@ -118,7 +120,7 @@ impl<'f, S: Lanes> WithField<'f, S> for EyeSweep<'_, S> {
         let Drawing { prepared, settings, geometry, .. } = *drawing;
         let eye = drawing.eye(s, &field);
         let cancelled = || control.is_cancelled();
-        let mut light = Sweep::new(prepared, settings, geometry, drawing.matter(s, &field), cancelled)?;
+        let mut light = Sweep::new(prepared, settings, geometry, drawing.matter(s, &field), Seen::InMatter, cancelled)?;
         let length = light.run_length();
         let emitter = Emitter::of_eye(prepared.stage, prepared.grid(), &prepared.region, InstructionSet::of(s));
         let columns = 1 << width::<S>().ilog2().div_ceil(2);
@@ -200,6 +202,8 @@ impl Drawing<'_> {
             frame: &self.geometry.frame,
             ways: self.geometry.ways,
             correction: settings.correction,
+            into_cone: (settings.in_scatter != InScatter::Indirect)
+                .then(|| into_cone(&prepared.volume.scattering, settings)),
             scales: [settings.direct, settings.indirect],
             skip: prepared.grids.skip.as_ref(),
             varied: prepared.varied(),

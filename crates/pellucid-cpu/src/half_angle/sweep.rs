@@ -2,14 +2,14 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
 use pellucid_scene::half_angle::{Geometry, Ways, into_cone, taps};
-use pellucid_scene::{BlockContent, BlurScaling, HalfAngle, InScatter};
+use pellucid_scene::{BlurScaling, HalfAngle, InScatter};
 use rayon::prelude::*;
 
 use super::advance::{Radius, Step};
 use super::buffer::{LightBuffer, Shape};
 use super::matter::{BAND, Band, Matter, TILE, run_length};
+use super::work::{Seen, around, needed};
 use crate::RenderError;
 use crate::field::Field;
 use crate::lanes::*;
@@ -23,6 +23,8 @@ pub struct Sweep<'a, S, F> {
     bands: Vec<Band>,
     /// In front of every slab of a run, and behind the last.
     buffers: Vec<LightBuffer>,
+    /// Slabs of the run that was passed last.
+    passed: usize,
     /// 1 where something is, else 0, texel by texel, if light comes from there alone.
     presence: Option<Vec<f32>>,
     /// Tiles that differ from light as it entered, band by band.
@@ -36,7 +38,7 @@ pub struct Sweep<'a, S, F> {
 }
 
 impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
-    /// Light in front of the first slab.
+    /// Light in front of the first slab, and where it will be looked at.
     ///
     /// # Errors
     /// [`RenderError::Cancelled`], as `cancelled` says.
@@ -45,6 +47,7 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
         settings: &'a HalfAngle,
         geometry: &'a Geometry,
         matter: Matter<'a, S, F>,
+        seen: Seen,
         cancelled: impl Fn() -> bool + Sync,
     ) -> Result<Self, RenderError> {
         let stop = || if cancelled() { Err(RenderError::Cancelled) } else { Ok(()) };
@@ -79,10 +82,14 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
             .collect::<Result<_, RenderError>>()?;
         let gated = matches!(settings.in_scatter, InScatter::DirectFromMatter | InScatter::BothFromMatter);
         let reach = pad.div_ceil(BAND.min(TILE));
-        let needed = needed(prepared, geometry, [tiles, bands.len()], farthest);
+        let needed = match seen {
+            Seen::InMatter => needed(prepared, geometry, [tiles, bands.len()], farthest),
+            Seen::Everywhere => vec![slabs.count; tiles * bands.len()],
+        };
         let buffers = (0..=run).map(|_| stop().map(|()| LightBuffer::new(shape, indirect)));
         Ok(Self {
             settings,
+            passed: 0,
             buffers: buffers.collect::<Result<_, _>>()?,
             matter,
             presence: (gated && indirect.is_some()).then(|| vec![0.0; shape.len()]),
@@ -102,7 +109,7 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
 
     /// Light in front of every slab of the run that was passed last, and behind it.
     pub fn buffers(&self) -> &[LightBuffer] {
-        &self.buffers
+        &self.buffers[..=self.passed]
     }
 
     /// Leaves of the light in front of the first slab a round beam in the middle of the picture, of a radius in
@@ -128,9 +135,9 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
     /// [`RenderError::Cancelled`], as `cancelled` says.
     pub fn pass(&mut self, run: Range<usize>, cancelled: impl Fn() -> bool + Sync) -> Result<(), RenderError> {
         let stop = || if cancelled() { Err(RenderError::Cancelled) } else { Ok(()) };
-        let last = self.run_length();
-        // What is behind the last run is in front of this one; the first run finds all buffers alike.
-        self.buffers.swap(0, last);
+        // What is behind the last run is in front of this one.
+        self.buffers.swap(0, self.passed);
+        self.passed = run.len();
         let Self { matter, bands, .. } = self;
         bands.par_iter_mut().try_for_each(|band| {
             stop()?;
@@ -140,10 +147,7 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
         for slab in run.clone() {
             self.pass_slab(slab, slab - run.start, &cancelled);
         }
-        stop()?;
-        // A short run is the last one: what is behind it is where the next would look for it.
-        self.buffers.swap(run.len(), last);
-        Ok(())
+        stop()
     }
 
     fn pass_slab(&mut self, slab: usize, number: usize, cancelled: &(impl Fn() -> bool + Sync)) {
@@ -168,13 +172,7 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
         let tiles = shape.width.div_ceil(TILE);
         // Where all light comes from matter, what is empty is dark.
         let everywhere = settings.in_scatter == InScatter::BothFromMatter;
-        let is_touched = |band: usize, tile: usize| {
-            let (rows, columns) = (
-                band.saturating_sub(*reach)..bands.len().min(band + *reach + 1),
-                tile.saturating_sub(*reach)..tiles.min(tile + *reach + 1),
-            );
-            rows.into_iter().any(|row| touched[row * tiles..][columns.clone()].iter().any(|touched| *touched))
-        };
+        let near = around(touched, tiles, *reach);
         let found: Vec<Vec<bool>> = bands_of(&mut next.lost, &shape, light.channels())
             .enumerate()
             .map(|(band, rows)| {
@@ -182,7 +180,7 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
                     let before = touched[band * tiles + tile];
                     let asked = !cancelled()
                         && slab <= needed[band * tiles + tile]
-                        && (everywhere || bands[band].holds(number, tile) || is_touched(band, tile));
+                        && (everywhere || bands[band].holds(number, tile) || near[band * tiles + tile]);
                     (asked && step.pass(light, rows, &bands[band], [band * BAND, tile])) || before
                 };
                 (0..tiles).map(pass).collect()
@@ -214,50 +212,4 @@ fn mark(bands: &[Band], presence: &mut [f32], shape: &Shape, number: usize) {
             }
         }
     });
-}
-
-/// The last slab in front of which the light of tiles matters: one that holds something there, or so much
-/// later in a tile from which a blur reaches it. `reach` in texels a slab.
-fn needed(prepared: &Prepared, geometry: &Geometry, [tiles, bands]: [usize; 2], reach: f64) -> Vec<usize> {
-    let Geometry { frame, slabs, .. } = geometry;
-    let Some((blocks, distances)) = prepared.tables.blocks.as_ref().and_then(|blocks| match &blocks.content {
-        BlockContent::Distances(distances) => Some((blocks, distances)),
-        BlockContent::Extremes(_) => None,
-    }) else {
-        return vec![slabs.count; tiles * bands];
-    };
-    let (grid, [nx, ny, _]) = (prepared.grid(), blocks.dims);
-    // Where something is last, as one more than the slab's number; 0 if never.
-    let mut last = vec![0usize; tiles * bands];
-    for block in (0..distances.len()).filter(|&block| distances[block] == 0) {
-        let first = [block % nx, block / nx % ny, block / (nx * ny)].map(|b| (b * blocks.size) as f64);
-        let (mut low, mut high, mut end) = (glam::DVec2::INFINITY, glam::DVec2::NEG_INFINITY, 0.0f64);
-        for corner in 0..8 {
-            let index = DVec3::from_array(
-                [0, 1, 2].map(|axis| first[axis] + if corner >> axis & 1 == 1 { blocks.size as f64 } else { 0.0 }),
-            );
-            let world = grid.world_from_index().transform_point3(index);
-            let place = frame.project(world);
-            (low, high, end) = (low.min(place), high.max(place), end.max(slabs.coordinate(world)));
-        }
-        let span = |low: f64, high: f64, side: usize, count: usize| {
-            let [low, high] = [low - 2.0, high + 2.0].map(|texel| (texel / side as f64).clamp(0.0, count as f64 - 1.0));
-            low as usize..high as usize + 1
-        };
-        for band in span(low.y, high.y, BAND, bands) {
-            for tile in span(low.x, high.x, TILE, tiles) {
-                let last = &mut last[band * tiles + tile];
-                *last = (*last).max(end.ceil() as usize + 1);
-            }
-        }
-    }
-    if reach == 0.0 {
-        return last;
-    }
-    let later = |to: usize, from: usize| {
-        let gap = |a: usize, b: usize, side: usize| a.abs_diff(b).saturating_sub(1) * side;
-        let texels = gap(to / tiles, from / tiles, BAND).max(gap(to % tiles, from % tiles, TILE));
-        last[from].saturating_sub((texels as f64 / (reach + 1.0)) as usize)
-    };
-    (0..last.len()).map(|to| (0..last.len()).map(|from| later(to, from)).max().unwrap_or(0)).collect()
 }

@@ -12,6 +12,7 @@ use pellucid_scene::{BlurJitter, BlurScaling, HalfAngle, InScatter, Scene, Sourc
 use super::Drawing;
 use super::matter::Matter;
 use super::sweep::Sweep;
+use super::work::Seen;
 use crate::field::Any;
 use crate::lanes::{InstructionSet, Lanes, dispatch};
 use crate::prepare::{Cache, Prepared};
@@ -112,7 +113,8 @@ fn sweep(stage: &Stage, settings: &HalfAngle, slabs: Option<usize>, look: &mut i
     fn run<S: Lanes>(s: S, drawing: &Drawing, slabs: Option<usize>, look: &mut impl Look) {
         let field = drawing.prepared.any(drawing.prepared.sampler().unwrap());
         let matter: Matter<S, Any<S>> = drawing.matter(s, &field);
-        let mut sweep = Sweep::new(drawing.prepared, drawing.settings, drawing.geometry, matter, || false).unwrap();
+        let Drawing { prepared, settings, geometry, .. } = *drawing;
+        let mut sweep = Sweep::new(prepared, settings, geometry, matter, Seen::InMatter, || false).unwrap();
         for slab in 0..slabs.unwrap_or(drawing.geometry.slabs.count) {
             look.look(slab, &mut sweep, drawing.geometry);
             sweep.pass(slab..slab + 1, || false).unwrap();
@@ -128,7 +130,7 @@ fn planes<S>(sweep: &Sweep<S, Any<S>>) -> (Vec<Vec<f32>>, [usize; 2])
 where
     S: Lanes,
 {
-    let buffer = &sweep.buffers()[sweep.run_length()];
+    let buffer = &sweep.buffers()[sweep.buffers().len() - 1];
     let shape = buffer.shape;
     let (fresh, channels) = (&buffer.fresh, buffer.channels());
     let light = |channel: usize, at: usize| fresh[channel] - buffer.lost[at * channels + channel];

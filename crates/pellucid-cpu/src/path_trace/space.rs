@@ -23,6 +23,9 @@ impl Flight {
     }
 }
 
+/// Less of the box's extent, or of a way, is lost in the rounding of positions.
+const ROUNDING: f32 = 1e-6;
+
 /// The box and the clips that bound the medium.
 pub struct Space<'a> {
     grid: &'a Grid,
@@ -59,16 +62,21 @@ impl<'a> Space<'a> {
         let (low, high) = self.grid.index_bounds();
         let from_world = self.grid.index_from_world();
         let origin = from_world.transform_point3(ray.origin);
-        let direction = from_world.transform_vector3(ray.direction);
+        let mut direction = from_world.transform_vector3(ray.direction);
+        // As the rays of other techniques: rounding must not make those along a side miss the box.
+        let room = (high - low).max_element() * 1e-12;
+        let (low, high) = (low - room, high + room);
+        let steady = self.steady(direction.as_vec3());
         let [mut t0, mut t1] = between;
         for axis in 0..3 {
-            let inverse = direction[axis].recip();
-            if !inverse.is_finite() {
+            if steady[axis] == 0.0 {
+                direction[axis] = 0.0;
                 if !(low[axis]..=high[axis]).contains(&origin[axis]) {
                     return None;
                 }
                 continue;
             }
+            let inverse = direction[axis].recip();
             let (near, far) = ((low[axis] - origin[axis]) * inverse, (high[axis] - origin[axis]) * inverse);
             (t0, t1) = (t0.max(near.min(far)), t1.min(near.max(far)));
         }
@@ -81,18 +89,27 @@ impl<'a> Space<'a> {
     /// `most` world units.
     #[inline]
     pub fn leave(&self, origin: Vec3, direction: Vec3, most: f32) -> Flight {
-        let direction = self.index_from_world.transform_vector3(direction);
+        let direction = self.steady(self.index_from_world.transform_vector3(direction));
         let sides = Vec3::select(direction.cmpgt(Vec3::ZERO), self.high, self.low);
         // A position on a side, by rounding beyond it, has no way left there; along a side there is no end.
         let exits = ((sides - origin) / direction).max(Vec3::ZERO);
         let mut length = Vec3::select(direction.cmpeq(Vec3::ZERO), Vec3::INFINITY, exits).min_element().min(most);
         for (normal, offset) in &self.planes {
             let slope = normal.dot(direction);
-            if slope < 0.0 {
+            if slope < -ROUNDING {
                 length = length.min(((normal.dot(origin) - offset) / -slope).max(0.0));
             }
         }
         Flight { origin, direction, length }
+    }
+
+    /// A direction without the parts by which, on its longest way in the box, it would lead off a side by rounding
+    /// alone: along a side there is no end, least of all for a position on it.
+    #[inline]
+    fn steady(&self, direction: Vec3) -> Vec3 {
+        let ways = (self.high - self.low) / direction.abs();
+        let along_sides = (ways * ROUNDING).cmpgt(Vec3::splat(ways.min_element()));
+        Vec3::select(along_sides, Vec3::ZERO, direction)
     }
 
     /// The mean distance of voxels in world units.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::Shadow;
 use crate::RenderError;
 use crate::field::{Bounds, Field, Probe, Trilinear};
-use crate::half_angle::{Lengths, Matter, Sweep};
+use crate::half_angle::{Lengths, Matter, Seen, Sweep};
 use crate::lanes::*;
 use crate::prepare::Prepared;
 
@@ -37,7 +37,9 @@ impl LightVolume {
         control: &Control,
     ) -> Result<Self, RenderError> {
         let grid = prepared.grid();
-        let LightPoints { grid: points, low, spacing, texels } = LightPoints::new(grid, resolution)?;
+        let lights = prepared.stage.lights.len();
+        let LightPoints { grid: points, low, spacing, texels, .. } =
+            LightPoints::new(grid, resolution, lights, usize::MAX)?;
         let geometry =
             Geometry::of_light(prepared.stage.step, grid, light, texels).ok_or(LightError::Inside { light: number })?;
         let direct = HalfAngle { indirect: 0.0, ..HalfAngle::default() };
@@ -81,7 +83,7 @@ fn sweep<S: Lanes>(
         skip: prepared.grids.skip.as_ref(),
         varied: prepared.varied(),
     };
-    let mut light = Sweep::new(prepared, settings, geometry, matter, cancelled)?;
+    let mut light = Sweep::new(prepared, settings, geometry, matter, Seen::Everywhere, cancelled)?;
     let [nx, ny, _] = points.dims();
     let world = points.world_from_index();
     let mut values = vec![1.0f32; points.len()];
@@ -95,9 +97,10 @@ fn sweep<S: Lanes>(
             let at = |x: usize| world.transform_point3(DVec3::new(x as f64, (row % ny) as f64, (row / ny) as f64));
             let first = slabs.coordinate(at(0));
             // The points of the row that may lie in the run, and a little more, as the last coordinate is the
-            // end of the last slab.
+            // end of the last slab; the whole row where it lies across the light, or all but.
             let [a, b] = [run.start as f64, run.end as f64].map(|end| (end - first) / along);
-            let (from, to) = if along.abs() > 1e-12 { (a.min(b) - 2.0, a.max(b) + 2.0) } else { (0.0, nx as f64) };
+            let is_across = along.abs() * (nx as f64) < 1e-6;
+            let (from, to) = if is_across { (0.0, nx as f64) } else { (a.min(b) - 2.0, a.max(b) + 2.0) };
             for x in from.clamp(0.0, nx as f64) as usize..to.clamp(0.0, nx as f64) as usize {
                 let place = (first + along * x as f64).clamp(0.0, slabs.count as f64 - 1e-6);
                 let slab = place as usize;

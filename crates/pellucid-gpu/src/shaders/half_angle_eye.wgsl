@@ -57,7 +57,12 @@ fn seen(passage: Passage, matter: Matter, slab: u32, to_eye: vec3<f32>) -> vec4<
         let through = 1.0 - opacity_over(matter.color.a, inside);
         direct *= through;
 #ifdef TRANSPORT
-        indirect *= transported(p, matter.value, inside);
+        let passing = transported(p, matter.value, inside);
+        indirect *= passing;
+#ifdef SCATTERS_DIRECT
+        // As light does that passes the slab.
+        indirect += max(passing - each_color(through), vec3<f32>(0.0)) * sweep.cone.rgb * each_color(1.0 - lost.a);
+#endif
 #else
         indirect *= each_color(through);
 #endif

@@ -94,11 +94,11 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     }
     left += difference / count;
 #endif
-    var indirect = left.rgb;
+    var indirect = left.rgb * (1.0 - opacity);
 #ifdef SCATTERS_DIRECT
+    // What becomes indirect light on the way loses the rest of it as such.
     indirect += max(each_opacity(alpha) - opacity, vec3<f32>(0.0)) * sweep.cone.rgb * each_color(left.a);
 #endif
-    indirect *= 1.0 - opacity;
     let behind = vec4<f32>(vec3<f32>(sweep.scales.z) - indirect, 1.0 - direct);
 #else
     let behind = vec4<f32>(0.0, 0.0, 0.0, 1.0 - direct);

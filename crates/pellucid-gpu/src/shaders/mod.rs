@@ -181,8 +181,10 @@ impl Variant {
         self.scattered = (self.scattered && clouds && reads) || matches!(self.pass, HalfAngleEye | PathTrace);
         self.indirect &= matches!(self.pass, HalfAngleLight | HalfAngleEye);
         self.transport &= self.indirect;
-        self.scatters_direct &= self.indirect && self.pass == HalfAngleLight;
-        self.gated &= self.scatters_direct;
+        // On the way to the eye's samples only what has a transport of its own becomes more.
+        let becomes_indirect = self.pass == HalfAngleLight || (self.pass == HalfAngleEye && self.transport);
+        self.scatters_direct &= self.indirect && becomes_indirect;
+        self.gated &= self.scatters_direct && self.pass == HalfAngleLight;
         // Light meets the whole volume, along rays that the eye's rays ask for.
         self.perturbed &= reads && !slices && !self.bricks;
         // Blending units hold all colours back alike, and so do integrals over segments.

@@ -52,14 +52,34 @@ fn nonzeros(v: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(nonzero(v.x), nonzero(v.y), nonzero(v.z));
 }
 
+// Less of the box's extent is lost in the rounding of positions.
+const ROUNDING: f32 = 1e-6;
+
+// How often a direction fits into each of the box's extents, and the longest way that it has in the box.
+fn ways_of(direction: vec3<f32>) -> vec4<f32> {
+    let ways = (frame.high.xyz - frame.low.xyz) / max(abs(direction), vec3<f32>(1e-30));
+    return vec4<f32>(ways, min(ways.x, min(ways.y, ways.z)));
+}
+
+// The axes on which not even that way leads off a side by more than rounding: directions along an axis or a side, also
+// where they were turned there. On these, a position is in the box or it is not, and there is nothing to divide by.
+fn still_axes(ways: vec4<f32>) -> vec3<bool> {
+    return ways.xyz * ROUNDING > vec3<f32>(ways.w);
+}
+
 // Where a line is in the grid's box and kept by the clips, between two distances; they are in no order if it is
 // nowhere.
 fn span_of(origin: vec3<f32>, direction: vec3<f32>, from_t: f32, to_t: f32) -> vec2<f32> {
     let inverse = 1.0 / nonzeros(direction);
     let one = (frame.low.xyz - origin) * inverse;
     let other = (frame.high.xyz - origin) * inverse;
-    let near = min(one, other);
-    let far = max(one, other);
+    let extent = frame.high.xyz - frame.low.xyz;
+    let room = max(extent.x, max(extent.y, extent.z)) * ROUNDING;
+    let is_beside = (origin < frame.low.xyz - room) | (origin > frame.high.xyz + room);
+    let still = still_axes(ways_of(direction));
+    let ever = select(vec3<f32>(FAR), vec3<f32>(-FAR), is_beside);
+    let near = select(min(one, other), -ever, still);
+    let far = select(max(one, other), ever, still);
     var t0 = max(max(from_t, near.x), max(near.y, near.z));
     var t1 = min(min(to_t, far.x), min(far.y, far.z));
     for (var i = 0u; i < frame.counts.y; i += 1u) {
@@ -77,14 +97,18 @@ fn span_of(origin: vec3<f32>, direction: vec3<f32>, from_t: f32, to_t: f32) -> v
 
 // How far the way from a position inside leads to where the field ends, in units of its direction.
 fn exit_of(origin: vec3<f32>, direction: vec3<f32>) -> f32 {
+    let ways = ways_of(direction);
     let sides = select(frame.low.xyz, frame.high.xyz, direction > vec3<f32>(0.0));
-    // A position on a side, by rounding beyond it, has no way left there.
-    let exits = max((sides - origin) / nonzeros(direction), vec3<f32>(0.0));
+    // A position on a side, by rounding beyond it, has no way left there; along a side there is no end.
+    let leaving = max((sides - origin) / nonzeros(direction), vec3<f32>(0.0));
+    let exits = select(leaving, vec3<f32>(FAR), still_axes(ways));
     var length = min(exits.x, min(exits.y, exits.z));
+    let extent = frame.high.xyz - frame.low.xyz;
+    let flattest = ROUNDING * max(extent.x, max(extent.y, extent.z)) / ways.w;
     for (var i = 0u; i < frame.counts.y; i += 1u) {
         let plane = planes[i];
         let slope = dot(plane.xyz, direction);
-        if slope < 0.0 {
+        if slope < -flattest {
             length = min(length, max((dot(plane.xyz, origin) - plane.w) / -slope, 0.0));
         }
     }

@@ -121,6 +121,7 @@ impl Geometry {
     fn across(step: f64, grid: &Grid, frame: LightFrame, axis: DVec3, thickness: f64) -> Self {
         let rays = frame.corner_rays();
         let slabs = Slabs::new(axis, thickness, grid);
+        let thickness = slabs.thickness;
         let ways = match frame.position() {
             None => Ways::Same((thickness / axis.dot(frame.forward) / step) as f32),
             Some(position) => Ways::From { place: slabs.coordinate(position) as f32, step: step as f32 },

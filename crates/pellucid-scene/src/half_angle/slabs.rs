@@ -31,17 +31,27 @@ pub struct Slabs {
     pub thickness: f64,
     /// How many there are.
     pub count: usize,
+    /// How many there would be as thin as asked for.
+    pub asked: usize,
 }
 
 impl Slabs {
-    /// Those through a grid's box.
+    /// Those through a grid's box; thicker than asked for where voxels are so long that they would be more than
+    /// through a grid of as many cubes with the shortest side, and more than 2048.
     pub fn new(axis: DVec3, thickness: f64, grid: &Grid) -> Self {
+        const FEW: f64 = 2048.0;
         let along = grid.world_corners().map(|corner| axis.dot(corner));
         let front = along.into_iter().fold(f64::INFINITY, f64::min);
         let back = along.into_iter().fold(f64::NEG_INFINITY, f64::max);
         // A remainder below the precision of the box is no slab.
-        let count = ((back - front) / thickness - 1e-9).ceil().max(1.0) as usize;
-        Self { axis, front, thickness, count }
+        let needed = |thickness: f64| ((back - front) / thickness - 1e-9).ceil().max(1.0);
+        let cubes = grid.dims().map(|n| n as f64).iter().sum::<f64>() * grid.smallest_spacing();
+        let (asked, most) = (needed(thickness), (cubes / thickness).ceil().max(FEW));
+        if asked <= most {
+            return Self { axis, front, thickness, count: asked as usize, asked: asked as usize };
+        }
+        let thickness = (back - front) / most;
+        Self { axis, front, thickness, count: most as usize, asked: asked as usize }
     }
 
     /// The number of the slab that a world position is in, and how far, 0 to 1.
