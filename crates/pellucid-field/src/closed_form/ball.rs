@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::footprint::Footprint;
 use super::number::{Number, value_and_gradient};
 use super::shape::{inside, length};
 use super::{About, ScalarField};
@@ -26,13 +27,13 @@ impl Default for Ball {
 }
 
 impl Ball {
-    fn formula<N: Number>(&self, p: [N; 3]) -> N {
-        inside(length(p) - self.radius, self.edge)
+    fn formula<N: Number>(&self, p: [N; 3], seen: Footprint) -> N {
+        inside(length(p) - self.radius, seen.smooth_edge(self.edge))
     }
 }
 
 impl ScalarField for Ball {
-    value_and_gradient!();
+    value_and_gradient!(edges);
 
     fn bounds(&self) -> (DVec3, DVec3) {
         (DVec3::NEG_ONE, DVec3::ONE)

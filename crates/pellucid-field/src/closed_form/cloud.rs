@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::noise::noise;
+use super::footprint::Footprint;
+use super::noise::{WAVES, noise};
 use super::number::{Number, value_and_gradient};
 use super::shape::{common, ellipsoid, inside, join};
 use super::{About, ScalarField};
@@ -37,6 +38,8 @@ const EDGE: f64 = 0.08;
 /// Billows per unit length of the coarsest octave, and the number of octaves.
 const FREQUENCY: f64 = 4.2;
 const OCTAVES: u32 = 5;
+/// What the folded noise of an octave is in the mean.
+const MEAN_FOLD: f64 = 0.2;
 
 /// Density of a cumulus cloud, 0 to 1, on a box of 2 x 2 x 1.4: ellipsoids heaped over a flat base,
 /// their surface billowed by fractal gradient noise. Up is z.
@@ -44,38 +47,40 @@ const OCTAVES: u32 = 5;
 pub struct Cloud;
 
 impl Cloud {
-    fn formula<N: Number>(&self, p: [N; 3]) -> N {
+    fn formula<N: Number>(&self, p: [N; 3], seen: Footprint) -> N {
+        let edge = seen.edge(EDGE);
         let heaps = HEAPS.iter().fold(N::constant(f64::INFINITY), |cloud, &[x, y, z, a, b, c]| {
             let heap = ellipsoid(p, DVec3::new(x, y, z), DVec3::new(a, b, c));
             if cloud.value().is_finite() { join(cloud, heap, 0.06) } else { heap }
         });
         // Billows only swell the cloud, and by no more than they can.
-        if heaps.value() > BILLOWS + EDGE {
+        if heaps.value() > BILLOWS + edge {
             return N::constant(0.0);
         }
-        if heaps.value() < -0.1 && p[2].value() > BASE + 0.2 {
+        if heaps.value() < -0.06 - edge / 2.0 && p[2].value() > BASE + 0.16 + edge / 2.0 {
             return N::constant(1.0);
         }
-        let body = heaps - billows(p) * BILLOWS;
+        let body = heaps - billows(p, seen) * BILLOWS;
         // High above the base only the body counts.
-        if p[2].value() > BASE + 0.3 {
-            return inside(body, EDGE);
+        if p[2].value() > BASE + 0.26 + edge / 2.0 {
+            return inside(body, edge);
         }
-        let wisps = billows([p[1] * 1.7, p[2] * 1.7, p[0] * 1.7]) * 0.05;
-        inside(common(body, -p[2] + BASE + wisps, 0.12), EDGE)
+        let wisps = billows([p[1] * 1.7, p[2] * 1.7, p[0] * 1.7], seen) * 0.05;
+        inside(common(body, -p[2] + BASE + wisps, 0.12), edge)
     }
 }
 
 /// Round heads with creases between them, in [0, 1]: what is left of 1 by noise folded up at 0,
 /// summed over octaves.
-fn billows<N: Number>(p: [N; 3]) -> N {
+fn billows<N: Number>(p: [N; 3], seen: Footprint) -> N {
     let mut sum = N::constant(0.0);
     let (mut frequency, mut share) = (FREQUENCY, 0.6);
     for _ in 0..OCTAVES {
+        let detail = seen.detail(frequency * WAVES);
         let n = noise(p.map(|x| x * frequency + frequency));
         // A rounded |n|: zero where the noise is, differentiable there.
         let folded = (n.square() + 0.003).sqrt() - 0.003f64.sqrt();
-        sum = sum + folded * share;
+        sum = sum + folded * (share * detail) + MEAN_FOLD * share * (1.0 - detail);
         frequency *= 2.03;
         share *= 0.4;
     }
@@ -83,7 +88,7 @@ fn billows<N: Number>(p: [N; 3]) -> N {
 }
 
 impl ScalarField for Cloud {
-    value_and_gradient!();
+    value_and_gradient!(edges);
 
     fn bounds(&self) -> (DVec3, DVec3) {
         (DVec3::new(-1.0, -1.0, -0.6), DVec3::new(1.0, 1.0, 0.8))

@@ -3,6 +3,7 @@
 
 mod ball;
 mod cloud;
+mod footprint;
 mod head;
 mod hydrogen;
 mod marschner_lobb;
@@ -37,6 +38,20 @@ pub trait ScalarField: Send + Sync {
 
     /// The gradient at a world position: value per unit length.
     fn gradient(&self, p: DVec3) -> DVec3;
+
+    /// What a voxel of that width sees at a world position: about the mean of the field over it, so that edges and
+    /// thin things finer than the grid neither alias nor show as rings. The value itself unless a field has such
+    /// edges; signals that are to show what a filter does with them have none.
+    fn seen(&self, p: DVec3, voxel: f64) -> f64 {
+        let _ = voxel;
+        self.value(p)
+    }
+
+    /// The value seen all over a ball, where that is known without asking for each point.
+    fn even(&self, center: DVec3, radius: f64, voxel: f64) -> Option<f64> {
+        let _ = (center, radius, voxel);
+        None
+    }
 
     /// The box it is meant to be sampled in: lowest and highest corner.
     fn bounds(&self) -> (DVec3, DVec3);

@@ -1,6 +1,10 @@
 //! Gradient noise (Perlin 2002) with continuous second derivatives, and its fractal sums.
 
+use super::footprint::Footprint;
 use super::number::Number;
+
+/// Waves in a unit of noise, about where its spectrum has its peak.
+pub(super) const WAVES: f64 = 0.7;
 
 /// Gradient noise: 0 at integer points, between about -1 and 1, features about one unit wide.
 pub(super) fn noise<N: Number>(p: [N; 3]) -> N {
@@ -38,13 +42,18 @@ fn hash([x, y, z]: [i64; 3]) -> u32 {
     h ^ h >> 16
 }
 
-/// Sum of `octaves` of noise, each twice as fine and half as strong, between about -1 and 1.
-pub(super) fn fractal<N: Number>(p: [N; 3], octaves: u32) -> N {
+/// Sum of `octaves` of noise, each twice as fine and half as strong, between about -1 and 1: as much of it as is
+/// seen, where one unit of the first is `unit` long.
+pub(super) fn fractal<N: Number>(p: [N; 3], octaves: u32, unit: f64, seen: Footprint) -> N {
     let mut sum = N::constant(0.0);
     let (mut frequency, mut amplitude) = (1.0, 0.5);
     for _ in 0..octaves {
+        let detail = seen.detail(frequency * WAVES / unit);
+        if detail == 0.0 {
+            break;
+        }
         // An offset keeps the zeros of all octaves at lattice points from falling together.
-        sum = sum + noise(p.map(|x| x * frequency + frequency * 0.37)) * amplitude;
+        sum = sum + noise(p.map(|x| x * frequency + frequency * 0.37)) * (amplitude * detail);
         frequency *= 2.0;
         amplitude *= 0.5;
     }

@@ -11,6 +11,8 @@ use crate::{FieldError, Grid, ValueMap, Volume, Voxel, VoxelType, Voxels, parall
 /// samples span N - 1 spacings). An axis with one sample gets the middle of the box, one voxel
 /// as thick as the box.
 ///
+/// Of a field with edges that are sharper than the grid can hold, voxels have what they [see](ScalarField::seen).
+///
 /// Data values are the field's own in every voxel type. Float types store them as they are.
 /// Integer types store them as they are, rounded, if the field is measured in whole units
 /// (Hounsfield) and its range fits into the type; otherwise the range of the field is spread over
@@ -82,14 +84,33 @@ fn levels(voxel_type: VoxelType) -> Option<(f64, f64)> {
 
 fn fill<T: Voxel>(field: &dyn ScalarField, grid: &Grid, map: ValueMap) -> Vec<T> {
     let [nx, ny, _] = grid.dims();
+    let width = voxel_width(grid);
     let mut voxels = vec![T::zeroed(); grid.len()];
     let fill = |(row, voxels): (usize, &mut [T])| {
         let (y, z) = ((row % ny) as f64, (row / ny) as f64);
-        for (x, voxel) in voxels.iter_mut().enumerate() {
-            let p = grid.world_from_index().transform_point3(DVec3::new(x as f64, y, z));
-            *voxel = T::from_f64(map.stored(field.value(p)));
+        let at = |x: f64| grid.world_from_index().transform_point3(DVec3::new(x, y, z));
+        for (run, voxels) in voxels.chunks_mut(RUN).enumerate() {
+            let (first, last) = ((run * RUN) as f64, (run * RUN + voxels.len() - 1) as f64);
+            let (middle, radius) = (at((first + last) / 2.0), at(first).distance(at(last)) / 2.0);
+            if let Some(value) = field.even(middle, radius, width) {
+                voxels.fill(T::from_f64(map.stored(value)));
+                continue;
+            }
+            for (x, voxel) in voxels.iter_mut().enumerate() {
+                *voxel = T::from_f64(map.stored(field.seen(at(first + x as f64), width)));
+            }
         }
     };
     parallel(|| voxels.par_chunks_mut(nx).enumerate().for_each(fill));
     voxels
+}
+
+/// Voxels of a row that are filled at once where a field is even.
+const RUN: usize = 8;
+
+/// What a voxel sees is as wide as its neighbours are away: the geometric mean over the axes that have any.
+fn voxel_width(grid: &Grid) -> f64 {
+    let (spacing, dims) = (grid.spacing(), grid.dims());
+    let apart: Vec<f64> = (0..3).filter(|axis| dims[*axis] > 1).map(|axis| spacing[axis]).collect();
+    if apart.is_empty() { 0.0 } else { apart.iter().product::<f64>().powf(1.0 / apart.len() as f64) }
 }

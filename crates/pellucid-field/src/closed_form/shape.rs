@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::footprint::Footprint;
 use super::number::Number;
 
 /// `p - center`.
@@ -64,15 +65,25 @@ pub(super) fn inside<N: Number>(distance: N, width: f64) -> N {
     (distance * -width.recip() + 0.5).smoothstep()
 }
 
-/// `inside` of an ellipsoid, cheap where there is nothing.
-pub(super) fn blob<N: Number>(p: [N; 3], center: [f64; 3], radii: [f64; 3], width: f64) -> N {
-    let (center, radii) = (DVec3::from_array(center), DVec3::from_array(radii));
+/// Share of a voxel inside an ellipsoid with an edge `own` wide, cheap where there is nothing.
+pub(super) fn blob<N: Number>(p: [N; 3], center: [f64; 3], radii: [f64; 3], own: f64, seen: Footprint) -> N {
+    let (center, radii, width) = (DVec3::from_array(center), DVec3::from_array(radii), seen.edge(own));
     // The distance is to first order, so an edge may reach further along a long axis.
     let reach = radii * (1.0 + width / radii.min_element());
     if (position(p) - center).abs().cmpgt(reach).any() {
         return N::constant(0.0);
     }
-    inside(ellipsoid(p, center, radii), width)
+    inside(ellipsoid(p, center, radii), width) * seen.thin(radii.to_array(), own)
+}
+
+/// Share of a voxel inside a rod with an edge `own` wide, cheap where there is nothing.
+pub(super) fn bar<N: Number>(p: [N; 3], a: (DVec3, f64), b: (DVec3, f64), own: f64, seen: Footprint) -> N {
+    let (at, width) = (position(p), seen.edge(own));
+    let (low, high) = ((a.0 - a.1).min(b.0 - b.1) - width, (a.0 + a.1).max(b.0 + b.1) + width);
+    if at.cmplt(low).any() || at.cmpgt(high).any() {
+        return N::constant(0.0);
+    }
+    inside(rod(p, a, b), width) * seen.thin([(a.1 + b.1) / 2.0; 2], own)
 }
 
 /// Share inside either of two things of which nothing more is known: a union without creases.
@@ -116,19 +127,30 @@ impl Path {
         Self { points, low, high }
     }
 
-    /// Distance to the tube.
-    pub fn distance<N: Number>(&self, p: [N; 3]) -> N {
-        let far = N::constant(f64::INFINITY);
-        self.points.windows(2).fold(far, |distance, ends| distance.min(rod(p, ends[0], ends[1])))
+    /// Distance to the tube; further off than `reach`, something between that and the distance.
+    pub fn distance<N: Number>(&self, p: [N; 3], reach: f64) -> N {
+        let at = position(p);
+        let outside = (self.low - at).max(at - self.high).max_element();
+        if outside > reach { N::constant(outside) } else { self.nearest(p).0 }
     }
 
-    /// `inside` of the tube, cheap where there is nothing.
-    pub fn inside<N: Number>(&self, p: [N; 3], width: f64) -> N {
-        let at = position(p);
+    /// Distance to the tube, and its radius about there.
+    fn nearest<N: Number>(&self, p: [N; 3]) -> (N, f64) {
+        let far = (N::constant(f64::INFINITY), 0.0);
+        self.points.windows(2).fold(far, |nearest, ends| {
+            let distance = rod(p, ends[0], ends[1]);
+            if distance.value() < nearest.0.value() { (distance, (ends[0].1 + ends[1].1) / 2.0) } else { nearest }
+        })
+    }
+
+    /// Share of a voxel inside the tube with an edge `own` wide, cheap where there is nothing.
+    pub fn inside<N: Number>(&self, p: [N; 3], own: f64, seen: Footprint) -> N {
+        let (at, width) = (position(p), seen.edge(own));
         if (at + width).cmplt(self.low).any() || (at - width).cmpgt(self.high).any() {
             return N::constant(0.0);
         }
-        inside(self.distance(p), width)
+        let (distance, radius) = self.nearest(p);
+        inside(distance, width) * seen.thin([radius; 2], own)
     }
 }
 
@@ -154,11 +176,11 @@ impl Bundle {
         Self(paths.chunks(8).map(group).collect())
     }
 
-    /// `inside` of the union of the tubes.
-    pub fn inside<N: Number>(&self, p: [N; 3], width: f64) -> N {
-        let at = position(p);
+    /// Share of a voxel inside the union of the tubes with edges `own` wide.
+    pub fn inside<N: Number>(&self, p: [N; 3], own: f64, seen: Footprint) -> N {
+        let (at, width) = (position(p), seen.edge(own));
         let near = |group: &&Group| (at + width).cmpge(group.low).all() && (at - width).cmple(group.high).all();
         let paths = self.0.iter().filter(near).flat_map(|group| &group.paths);
-        paths.fold(N::constant(0.0), |union, path| either(union, path.inside(p, width)))
+        paths.fold(N::constant(0.0), |union, path| either(union, path.inside(p, own, seen)))
     }
 }

@@ -4,8 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DQuat, DVec3};
 
+use super::footprint::Footprint;
 use super::number::{Number, value_and_gradient};
-use super::shape::{Bundle, Path, blob, common, ellipsoid, inside};
+use super::shape::{Bundle, Path, blob, common, ellipsoid};
 use super::{About, ScalarField};
 use crate::VoxelType;
 
@@ -16,6 +17,8 @@ const TISSUE: f64 = 0.15;
 const VESSEL: f64 = 0.6;
 const BONE: f64 = 1.0;
 const EDGE: f64 = 0.02;
+/// Half the thickness of the shell.
+const SHELL: f64 = 0.025;
 const SKULL: DVec3 = DVec3::new(0.80, 0.94, 0.84);
 
 /// A tree of bright, ever thinner tubes in dark tissue, held by a brighter shell that is open
@@ -92,19 +95,19 @@ impl Dice {
 }
 
 impl Tubes {
-    fn formula<N: Number>(&self, p: [N; 3]) -> N {
-        let tissue = blob(p, [0.0; 3], (SKULL - 0.03).to_array(), EDGE) * TISSUE;
-        let vessels = self.vessels.inside(p, EDGE);
-        let skull = ellipsoid(p, DVec3::ZERO, SKULL).abs() - 0.025;
+    fn formula<N: Number>(&self, p: [N; 3], seen: Footprint) -> N {
+        let tissue = blob(p, [0.0; 3], (SKULL - 0.03).to_array(), EDGE, seen) * TISSUE;
+        let vessels = self.vessels.inside(p, EDGE, seen);
+        let skull = ellipsoid(p, DVec3::ZERO, SKULL).abs() - SHELL;
         // Open above a plane that rises towards the back (+y).
         let open = (p[2] - p[1] * 0.7 - 0.02) * 0.82;
-        let shell = inside(common(skull, open, 0.03), EDGE);
+        let shell = seen.inside(common(skull, open, 0.03), EDGE) * seen.thin([SHELL], EDGE);
         tissue.mix(N::constant(BONE), shell).mix(N::constant(VESSEL), vessels)
     }
 }
 
 impl ScalarField for Tubes {
-    value_and_gradient!();
+    value_and_gradient!(edges);
 
     fn bounds(&self) -> (DVec3, DVec3) {
         (DVec3::NEG_ONE, DVec3::ONE)

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::noise::fractal;
 use super::super::number::Number;
 use super::super::shape::{Path, common, ellipsoid, inside, join, length, relative, ring, rod};
-use super::{BROAD_EDGE, EDGE, Tissue, hu};
+use super::{EDGE, Tissue, hu};
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
@@ -22,7 +22,7 @@ pub(super) fn cavity<N: Number>(p: [N; 3], pair: [N; 3]) -> N {
     let floor = floor.mix(N::constant(-50.0), step(2.0, 24.0));
     let upper = common(vault, (floor - p[2]) * 0.7, 10.0);
     let temporal = ellipsoid(pair, v(36.0, -4.0, -1.0), v(25.0, 32.0, 23.0));
-    let posterior = ellipsoid(p, v(0.0, 50.0, -12.0), v(50.0, 40.0, 34.0));
+    let posterior = ellipsoid(p, v(0.0, 45.0, -10.0), v(48.0, 38.0, 31.0));
     let stem = rod(p, (v(0.0, 20.0, -10.0), 15.0), (v(0.0, 33.0, -56.0), 10.5));
     let canal = rod(p, (v(0.0, 33.0, -56.0), 10.0), (v(0.0, 37.0, -160.0), 9.5));
     let hollow = join(join(join(upper, temporal, 9.0), posterior, 9.0), join(stem, canal, 4.0), 8.0);
@@ -30,6 +30,9 @@ pub(super) fn cavity<N: Number>(p: [N; 3], pair: [N; 3]) -> N {
     let ridge = rod(pair, (v(62.0, 20.0, -20.0), 12.0), (v(16.0, -4.0, -21.0), 6.0));
     common(hollow, -ridge, 6.0)
 }
+
+/// How far from a bone its distance is of interest: beyond all fillets and edges.
+const REACH: f64 = 30.0;
 
 /// Bones that are rods: jaw, cheek and hyoid.
 #[derive(Clone, Debug)]
@@ -66,9 +69,9 @@ impl Rods {
             arch: Path::smooth(&[
                 [44.0, -68.0, -29.0, 6.5],
                 [56.0, -56.0, -29.0, 4.8],
-                [64.0, -34.0, -29.5, 3.2],
-                [67.0, -14.0, -28.0, 3.2],
-                [65.0, 3.0, -25.0, 4.5],
+                [62.5, -34.0, -29.5, 3.2],
+                [64.0, -14.0, -28.0, 3.2],
+                [62.0, 3.0, -25.0, 4.5],
             ]),
             hyoid: Path::smooth(&[[0.0, -40.0, -108.0, 4.0], [12.0, -36.0, -108.0, 3.0], [21.0, -18.0, -104.0, 2.0]]),
         }
@@ -87,34 +90,51 @@ pub(super) fn paint<N: Number>(tissue: &mut Tissue<N>, cavity: N, skin: N, rods:
 
 fn paint_braincase<N: Number>(tissue: &mut Tissue<N>, cavity: N) {
     let (p, pair) = (tissue.p, tissue.pair);
-    if cavity.value() > 22.0 {
+    if cavity.value() > 34.0 {
         return;
     }
     // Thick in the vault, thinner at the base; no skull around the canal below it.
-    let vault = ((p[2] + 2.0) * (1.0 / 20.0)).smoothstep();
-    let thickness = vault * 3.6 + 3.4;
+    let vault = ((p[2] + 6.0) * (1.0 / 36.0)).smoothstep();
+    let mut thickness = vault * 3.6 + 3.4;
+    if p[2].value() > 8.0 {
+        thickness = thickness - sutures(p) * vault * 1.3;
+    }
     let below = p[2] * -1.0 - 46.0;
     let shell = common(cavity - thickness, below, 4.0);
-    tissue.paint(hu::BONE, inside(shell, BROAD_EDGE));
+    tissue.paint(hu::BONE, tissue.inside_smooth(shell));
     if vault.value() > 0.0 {
-        let pores = fractal(p.map(|x| x * 0.3), 2) * 1.1;
+        let pores = fractal(p.map(|x| x * 0.3), 2, 1.0 / 0.3, tissue.seen) * 1.1;
         let diploe = (cavity - thickness * 0.5).abs() - 1.6 + pores;
-        tissue.paint(hu::SPONGE, inside(diploe, 1.5) * vault);
+        tissue.paint(hu::SPONGE, tissue.inside(diploe, 1.5) * vault);
     }
     // The petrous pyramids with the mastoid behind them, and the body of the sphenoid.
     let petrous = rod(pair, (v(58.0, 16.0, -18.0), 12.0), (v(13.0, -6.0, -19.0), 6.0));
-    let mastoid = ellipsoid(pair, v(60.0, 28.0, -30.0), v(10.0, 14.0, 19.0));
+    let mastoid = ellipsoid(pair, v(56.0, 27.0, -29.0), v(9.0, 13.0, 17.0));
     let sphenoid = ellipsoid(p, v(0.0, -22.0, -13.0), v(18.0, 19.0, 13.0));
     let clivus = rod(p, (v(0.0, -4.0, -14.0), 8.0), (v(0.0, 14.0, -44.0), 5.0));
     let base = join(join(petrous, mastoid, 6.0), join(sphenoid, clivus, 5.0), 4.0);
-    tissue.paint(hu::BONE, inside(base, EDGE));
-    tissue.paint(hu::MARROW, inside(join(sphenoid, clivus, 5.0) + 2.5, 2.0));
+    tissue.fill(hu::BONE, base, EDGE);
+    tissue.fill(hu::MARROW, join(sphenoid, clivus, 5.0) + 2.5, 2.0);
     // Inner ear: three canals and the vestibule, thinner than a voxel of a usual scan.
     let labyrinth = v(38.0, 10.0, -16.0);
     let [x, y, z] = relative(pair, labyrinth);
     let canal = |q: [N; 3], shift: f64| ring(q, v(shift, 0.0, shift), 3.4, 0.7);
     let canals = canal([x, z, y], 2.2).min(canal([x, y, z], 2.2)).min(canal([z, x, y], 2.2));
-    tissue.paint(hu::WATER, inside(canals.min(length([x, y, z]) - 2.0), 1.0));
+    tissue.fill(hu::WATER, canals.min(length([x, y, z]) - 2.0), 1.0);
+}
+
+/// Where the plates of the vault meet, 0 to 1: the coronal, the sagittal and the lambdoid suture, winding as they do.
+fn sutures<N: Number>(p: [N; 3]) -> N {
+    let [x, y, z] = p;
+    let wind = |t: N| (t * 0.55).sin() * 0.9 + (t * 1.13 + 1.0).sin() * 0.7;
+    let side = x.abs();
+    let coronal = y + 22.0 - (z - 60.0) * 0.35 + wind(side + z);
+    let lambdoid = (y - 78.0) * 0.8 + (z - 52.0) * 0.35 + side * 0.55 + wind(side - z * 0.6);
+    let groove = |t: N| inside(t.abs(), 4.5) * 2.0;
+    let line = groove(coronal).max(groove(lambdoid));
+    // The sagittal suture runs between the two others.
+    let between = inside(coronal * -1.0, 4.0) * inside(lambdoid, 4.0);
+    line.max(groove(x + wind(y)) * between * inside(z * -1.0 + 40.0, 8.0))
 }
 
 /// The orbit: a cone that narrows towards the optic canal.
@@ -132,25 +152,28 @@ fn paint_face<N: Number>(tissue: &mut Tissue<N>, cavity: N, skin: N, rods: &Rods
     let open = p[1] * -1.0 - 86.0 + (pair[0] - 33.0) * 0.55;
     let [x, y, z] = relative(pair, v(33.0, -80.0, -8.0));
     let rim = ring([x, y - x * 0.5, z], DVec3::ZERO, 20.5, 4.2);
-    let maxilla = ellipsoid(pair, v(21.0, -66.0, -42.0), v(20.0, 20.0, 19.5));
+    let maxilla = ellipsoid(pair, v(20.0, -62.0, -42.0), v(20.0, 20.0, 20.0));
     let alveolar = ellipsoid(p, v(0.0, -59.0, -60.0), v(32.5, 29.0, 8.5));
     let glabella = rod(pair, (v(0.0, -77.0, 10.0), 7.5), (v(34.0, -68.0, 14.0), 5.5));
-    let nasal = rod(pair, (v(1.5, -84.0, 4.0), 4.5), (v(1.5, -95.0, -17.0), 2.2));
-    let frontal_process = rod(pair, (v(10.0, -82.0, -2.0), 3.2), (v(15.0, -80.0, -36.0), 4.5));
+    let nasal = rod(pair, (v(2.0, -81.0, 5.0), 5.0), (v(2.0, -90.0, -15.0), 3.2));
+    let bridge = rod(pair, (v(3.5, -86.0, -10.0), 3.4), (v(14.0, -78.0, -22.0), 4.0));
+    let frontal_process = rod(pair, (v(8.5, -80.0, -1.0), 4.5), (v(16.0, -77.0, -38.0), 6.0));
     let pterygoid = ellipsoid(pair, v(14.0, -32.0, -44.0), v(1.3, 9.0, 17.0));
-    let face = join(join(maxilla, alveolar, 6.0), join(rim, rods.arch.distance(pair), 6.0), 4.0);
-    let face = join(face, join(join(nasal, frontal_process, 3.0), glabella, 3.0), 3.0);
+    let face = join(join(maxilla, alveolar, 6.0), join(rim, rods.arch.distance(pair, REACH), 6.0), 4.0);
+    let face = join(face, join(join(join(nasal, bridge, 5.0), frontal_process, 6.0), glabella, 6.0), 5.0);
     // The brow grows out of the braincase.
     let forehead = common(cavity - 3.0, p[1] + 40.0, 4.0);
     let face = join(face, forehead, 9.0).min(pterygoid);
-    tissue.paint(hu::BONE, inside(common(face, skin + 3.5, 3.0), EDGE));
-    tissue.paint(hu::SPONGE, inside(join(alveolar, maxilla, 6.0) + 2.2, 2.0));
-    // A wall about a voxel thin around the orbit, then its fat.
-    tissue.paint(hu::THIN_BONE, inside(common(common(orbit - 1.1, open, 2.0), skin + 6.0, 2.0), EDGE));
-    tissue.paint(hu::FAT, inside(common(orbit, skin + 3.0, 2.0), EDGE));
+    tissue.fill(hu::BONE, common(face, skin + 3.5, 3.0), EDGE);
+    tissue.fill(hu::SPONGE, join(alveolar, maxilla, 6.0) + 2.2, 2.0);
+    // A thin wall around the orbit, then its fat.
+    let temple = ((pair[0] - 27.0) * (1.0 / 14.0)).smoothstep();
+    let wall = common(common(orbit - 1.6 - temple * 2.4, open, 2.0), skin + 6.0, 2.0);
+    tissue.coat(hu::THIN_BONE, wall, common(orbit, skin + 3.0, 2.0), EDGE);
+    tissue.fill(hu::FAT, common(orbit, skin + 3.0, 2.0), EDGE);
     // The pear-shaped opening of the nose.
     let pear = ellipsoid(p, v(0.0, -88.0, -36.0), v(11.5, 12.0, 17.0));
-    tissue.paint(hu::MUSCLE, inside(pear, EDGE));
+    tissue.fill(hu::MUSCLE, pear, EDGE);
 }
 
 fn paint_jaw<N: Number>(tissue: &mut Tissue<N>, rods: &Rods) {
@@ -161,11 +184,11 @@ fn paint_jaw<N: Number>(tissue: &mut Tissue<N>, rods: &Rods) {
     let ramus = ellipsoid(pair, v(47.5, -11.0, -58.0), v(3.6, 14.0, 24.0));
     let chin = ellipsoid(p, v(0.0, -86.0, -100.0), v(12.0, 6.0, 7.0));
     let far = N::constant(60.0);
-    let jaw = rods.jaw.iter().fold(far, |jaw, path| join(jaw, path.distance(pair), 5.0));
+    let jaw = rods.jaw.iter().fold(far, |jaw, path| join(jaw, path.distance(pair, REACH), 5.0));
     let jaw = join(join(jaw, ramus, 4.0), chin, 5.0);
-    tissue.paint(hu::BONE, inside(jaw, EDGE));
-    tissue.paint(hu::MARROW, inside(jaw + 2.8, 2.0));
-    let hyoid = rods.hyoid.inside(pair, EDGE);
+    tissue.fill(hu::BONE, jaw, EDGE);
+    tissue.fill(hu::MARROW, jaw + 2.8, 2.0);
+    let hyoid = rods.hyoid.inside(pair, EDGE, tissue.seen);
     tissue.paint(hu::THIN_BONE, hyoid);
 }
 
@@ -185,6 +208,9 @@ fn paint_spine<N: Number>(tissue: &mut Tissue<N>) {
     let mut bone = atlas.min(tooth);
     let mut core = tooth + 2.2;
     for (level, z) in [-83.0, -102.0, -120.5, -139.0].into_iter().enumerate() {
+        if (p[2].value() - z).abs() > REACH {
+            continue;
+        }
         let y = 35.0 + level as f64 * 0.7;
         let [dx, dy, dz] = relative(p, v(0.0, y - 20.0, z));
         // Drum-shaped: flat ends, waisted sides.
@@ -198,6 +224,6 @@ fn paint_spine<N: Number>(tissue: &mut Tissue<N>) {
         bone = bone.min(join(join(drum, join(pillar, pedicle, 3.0), 3.0), join(arch, spine, 4.0), 3.0));
         core = core.min(drum + 1.8);
     }
-    tissue.paint(hu::BONE, inside(bone, EDGE));
-    tissue.paint(hu::MARROW, inside(core, 2.0));
+    tissue.fill(hu::BONE, bone, EDGE);
+    tissue.fill(hu::MARROW, core, 2.0);
 }

@@ -11,8 +11,9 @@ mod vessels;
 
 use glam::DVec3;
 
+use super::footprint::Footprint;
 use super::number::{Number, value_and_gradient};
-use super::shape::{blob, inside};
+use super::shape::{bar, blob, inside};
 use super::{About, ScalarField};
 use crate::VoxelType;
 
@@ -44,8 +45,7 @@ mod hu {
 
 /// Width of the edge between two tissues.
 const EDGE: f64 = 1.2;
-/// Width of the edges of the large smooth surfaces, skin and skull: as wide as a scanner's blur,
-/// or voxels of a millimetre would show as rings on them.
+/// Width of the edges of the large smooth surfaces, skin and skull: as wide as a scanner's blur.
 const BROAD_EDGE: f64 = 2.8;
 
 /// A CT angiogram of a head in Hounsfield units (-1000 to 1800), in millimetres on LPS axes: +x to
@@ -53,7 +53,7 @@ const BROAD_EDGE: f64 = 2.8;
 /// thin, marrow between two tables of bone, sinuses, teeth, and vessels full of contrast agent.
 ///
 /// The two sides differ, so that a mirrored picture gives itself away: on the **left** it has an
-/// ear stud and an aneurysm of the middle cerebral artery, on the **right** a haemorrhage in the
+/// mole on the cheek and an aneurysm of the middle cerebral artery, on the **right** a haemorrhage in the
 /// parietal lobe and a gap where the first lower molar was.
 #[derive(Clone, Debug)]
 pub struct HeadPhantom {
@@ -74,9 +74,25 @@ struct Tissue<N> {
     /// The same with |x|, for what comes in pairs.
     pair: [N; 3],
     value: N,
+    seen: Footprint,
 }
 
 impl<N: Number> Tissue<N> {
+    /// Share of the voxel inside a shape with an edge `own` wide.
+    fn inside(&self, distance: N, own: f64) -> N {
+        self.seen.inside(distance, own)
+    }
+
+    /// The same with the edge of a large smooth surface.
+    fn inside_smooth(&self, distance: N) -> N {
+        inside(distance, self.seen.smooth_edge(BROAD_EDGE))
+    }
+
+    /// Covers what is inside a shape.
+    fn fill(&mut self, hu: f64, distance: N, own: f64) {
+        self.paint(hu, self.inside(distance, own));
+    }
+
     /// Covers a share of what is here.
     fn paint(&mut self, hu: f64, share: N) {
         if share.value() > 0.0 {
@@ -84,14 +100,28 @@ impl<N: Number> Tissue<N> {
         }
     }
 
+    /// Covers what is inside one shape but outside another that lies within it and is to be covered next.
+    fn coat(&mut self, hu: f64, outer: N, inner: N, own: f64) {
+        let (outer, inner) = (self.inside(outer, own), self.inside(inner, own));
+        if inner.value() < 1.0 {
+            // Of what the inner one leaves uncovered.
+            self.paint(hu, (outer - inner).max(N::constant(0.0)) * (-inner + 1.0).recip());
+        }
+    }
+
+    /// Paints a rod on either side; the ends given are the left one's.
+    fn rods(&mut self, hu: f64, a: (DVec3, f64), b: (DVec3, f64)) {
+        self.paint(hu, bar(self.pair, a, b, EDGE, self.seen));
+    }
+
     /// Paints an ellipsoid.
     fn blob(&mut self, hu: f64, center: [f64; 3], radii: [f64; 3]) {
-        self.paint(hu, blob(self.p, center, radii, EDGE));
+        self.paint(hu, blob(self.p, center, radii, EDGE, self.seen));
     }
 
     /// Paints an ellipsoid on either side; the centre given is the left one.
     fn blobs(&mut self, hu: f64, center: [f64; 3], radii: [f64; 3]) {
-        self.paint(hu, blob(self.pair, center, radii, EDGE));
+        self.paint(hu, blob(self.pair, center, radii, EDGE, self.seen));
     }
 }
 
@@ -102,34 +132,39 @@ fn both_sides<N: Number>([x, y, z]: [N; 3], round: f64) -> [N; 3] {
 }
 
 impl HeadPhantom {
-    fn formula<N: Number>(&self, p: [N; 3]) -> N {
+    fn formula<N: Number>(&self, p: [N; 3], seen: Footprint) -> N {
         let pair = both_sides(p, 0.5);
         let skin = face::skin(p);
-        if skin.value() > 3.0 {
+        if skin.value() > seen.smooth_edge(BROAD_EDGE) / 2.0 {
             return N::constant(hu::AIR);
         }
         let cavity = bone::cavity(p, pair);
-        let mut tissue = Tissue { p, pair, value: N::constant(hu::SKIN) };
+        let mut tissue = Tissue { p, pair, value: N::constant(hu::SKIN), seen };
         // The water around the brain covers whatever would be painted in the cavity before it.
-        if cavity.value() > -EDGE {
+        if cavity.value() > -seen.edge(EDGE) / 2.0 {
             face::paint_flesh(&mut tissue, skin);
-            self.vessels.paint_outer(&mut tissue);
+            self.vessels.paint_outer(&mut tissue, skin);
             bone::paint(&mut tissue, cavity, skin, &self.bones);
-            face::paint_airways(&mut tissue);
+            face::paint_airways(&mut tissue, skin);
             face::paint_eyes(&mut tissue);
             teeth::paint(&mut tissue, &self.teeth);
         }
-        tissue.paint(hu::WATER, inside(cavity, EDGE));
+        tissue.fill(hu::WATER, cavity, EDGE);
         brain::paint(&mut tissue, cavity);
         self.vessels.paint(&mut tissue);
-        tissue.paint(hu::AIR, inside(-skin, BROAD_EDGE));
-        face::paint_stud(&mut tissue);
+        tissue.paint(hu::AIR, tissue.inside_smooth(-skin));
         tissue.value
     }
 }
 
 impl ScalarField for HeadPhantom {
-    value_and_gradient!();
+    value_and_gradient!(edges);
+
+    fn even(&self, center: DVec3, radius: f64, voxel: f64) -> Option<f64> {
+        // Distances to the skin grow by up to 1.3 a millimetre, beside the ears.
+        let reach = Footprint(voxel).smooth_edge(BROAD_EDGE) / 2.0 + 1.3 * radius;
+        (face::skin(center.to_array()) > reach).then_some(hu::AIR)
+    }
 
     fn bounds(&self) -> (DVec3, DVec3) {
         (DVec3::new(-102.0, -132.0, -142.0), DVec3::new(102.0, 120.0, 114.0))

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::super::number::Number;
-use super::super::shape::{blob, inside, join, length, position, relative, rod};
+use super::super::shape::{blob, join, length, position, relative, rod};
 use super::{EDGE, Tissue, hu};
 
 /// Widths along the arch from the middle to the back, in millimetres.
@@ -98,10 +98,10 @@ pub(super) fn paint<N: Number>(tissue: &mut Tissue<N>, teeth: &[Tooth]) {
             let start = DVec3::new(tip.x, tip.y, tooth.crown.z);
             join(root, rod(tissue.p, (start, 2.7), (*tip, 1.1)), 2.0)
         });
-        tissue.paint(hu::DENTIN, inside(root, EDGE));
-        tissue.paint(hu::ENAMEL, inside(crown(local, tooth.radii), EDGE));
+        tissue.fill(hu::DENTIN, root, EDGE);
+        tissue.fill(hu::ENAMEL, crown(local, tooth.radii), EDGE);
         let dentin = tooth.radii - 1.5;
-        tissue.paint(hu::DENTIN, inside(crown(local, dentin), EDGE));
-        tissue.paint(hu::PULP, blob(local, [0.0; 3], [0.9, 0.9, 2.2], EDGE));
+        tissue.fill(hu::DENTIN, crown(local, dentin), EDGE);
+        tissue.paint(hu::PULP, blob(local, [0.0; 3], [0.9, 0.9, 2.2], EDGE, tissue.seen));
     }
 }

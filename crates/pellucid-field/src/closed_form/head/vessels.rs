@@ -75,37 +75,27 @@ const PAIRED_ARTERIES: [&[[f64; 4]]; 9] = [
     &[[12.0, -12.0, 6.0, 1.0], [10.0, -6.0, 3.0, 0.9], [9.0, -1.0, 1.0, 1.0]],
 ];
 
-/// External carotid and superficial temporal artery with its branch, and the facial artery.
-const OUTER_ARTERIES: [&[[f64; 4]]; 3] = [
+/// External carotid, superficial temporal artery up to the temple, and the beginning of the facial artery.
+const OUTER_ARTERIES: [&[[f64; 4]]; 2] = [
     &[
         [28.0, 2.0, -108.0, 2.6],
         [36.0, -4.0, -86.0, 2.2],
         [45.0, 6.0, -60.0, 1.9],
         [58.0, 4.0, -40.0, 1.7],
         [67.0, 1.0, -22.0, 1.5],
-        [71.5, -6.0, 8.0, 1.3],
-        [66.0, -25.0, 38.0, 1.1],
-        [53.0, -38.0, 58.0, 0.9],
+        [70.5, -4.0, 0.0, 1.0],
     ],
-    &[[71.5, -6.0, 8.0, 1.2], [72.0, 14.0, 34.0, 1.1], [63.0, 26.0, 58.0, 0.9], [47.0, 30.0, 79.0, 0.8]],
-    &[
-        [34.0, -4.0, -92.0, 1.8],
-        [40.0, -30.0, -98.0, 1.6],
-        [38.0, -56.0, -80.0, 1.4],
-        [30.0, -74.0, -62.0, 1.1],
-        [20.0, -84.0, -42.0, 0.9],
-        [14.0, -82.0, -20.0, 0.8],
-    ],
+    &[[34.0, -4.0, -92.0, 1.8], [38.0, -24.0, -101.0, 1.5], [34.0, -44.0, -106.0, 1.1]],
 ];
 
 /// Transverse and sigmoid sinus, then the jugular vein.
 const PAIRED_VEINS: [&[[f64; 4]]; 1] = [&[
     [0.0, 90.0, 9.0, 3.4],
     [20.0, 87.0, 9.0, 3.4],
-    [40.0, 74.0, 6.0, 3.4],
-    [53.0, 56.0, 2.0, 3.4],
-    [51.0, 42.0, -12.0, 3.6],
-    [40.0, 30.0, -26.0, 3.6],
+    [33.0, 74.0, 6.0, 3.4],
+    [44.0, 58.0, 2.0, 3.4],
+    [44.0, 44.0, -12.0, 3.6],
+    [35.0, 30.0, -26.0, 3.6],
     [32.0, 16.0, -34.0, 3.8],
     [32.0, 14.0, -60.0, 4.2],
     [35.0, 12.0, -100.0, 5.0],
@@ -153,15 +143,18 @@ impl Vessels {
     }
 
     /// Paints the arteries of face and scalp. They lie on bone, so bone is painted after them.
-    pub fn paint_outer<N: Number>(&self, tissue: &mut Tissue<N>) {
-        tissue.paint(hu::ARTERY, self.outer_arteries.inside(tissue.pair, EDGE));
+    pub fn paint_outer<N: Number>(&self, tissue: &mut Tissue<N>, skin: N) {
+        let share = self.outer_arteries.inside(tissue.pair, EDGE, tissue.seen);
+        if share.value() > 0.0 {
+            tissue.paint(hu::ARTERY, share * tissue.inside(skin + 3.0, 2.0));
+        }
     }
 
     /// Paints everything else.
     pub fn paint<N: Number>(&self, tissue: &mut Tissue<N>) {
-        tissue.paint(hu::VEIN, self.paired_veins.inside(tissue.pair, EDGE));
-        tissue.paint(hu::VEIN, self.single_veins.inside(tissue.p, EDGE));
-        tissue.paint(hu::ARTERY, self.paired_arteries.inside(tissue.pair, EDGE));
-        tissue.paint(hu::ARTERY, self.single_arteries.inside(tissue.p, EDGE));
+        tissue.paint(hu::VEIN, self.paired_veins.inside(tissue.pair, EDGE, tissue.seen));
+        tissue.paint(hu::VEIN, self.single_veins.inside(tissue.p, EDGE, tissue.seen));
+        tissue.paint(hu::ARTERY, self.paired_arteries.inside(tissue.pair, EDGE, tissue.seen));
+        tissue.paint(hu::ARTERY, self.single_arteries.inside(tissue.p, EDGE, tissue.seen));
     }
 }
