@@ -319,7 +319,7 @@ fn a_bright_background_is_a_background() {
 #[test]
 fn a_window_that_is_asked_for_counts_whatever_the_data_are() {
     let seen = |window: Option<[f64; 2]>, preset: Option<&str>| {
-        let mut scene = Scene::of(Source::Memory);
+        let mut scene = Scene::of(Source::memory());
         (scene.volumes[0].window, scene.volumes[0].preset) = (window, preset.map(str::to_owned));
         let (stage, _) = scene.resolve(&[Arc::new(patient())]).unwrap();
         [500.0, 900.0, 1900.0].map(|value| opacity(&stage, value))
@@ -364,7 +364,7 @@ fn each_component_has_a_window_and_a_preset_of_its_own() {
     let grid = || Grid::new([N; 3]).unwrap();
     let values = || colors(|r| if r < 7.0 { [7.0f32, -1000.0, 5e5] } else { [1.0, 1000.0, 0.0] });
     for (component, expected) in [(0, [1.0, 7.0]), (2, [0.0, 5e5])] {
-        let mut scene = Scene::of(Source::Memory);
+        let mut scene = Scene::of(Source::memory());
         scene.volumes[0].component = Some(component);
         let volume = Volume::with_components(grid(), values(), 3).unwrap();
         let (stage, choices) = scene.resolve(&[Arc::new(volume)]).unwrap();
@@ -394,7 +394,7 @@ fn a_settled_scene_draws_the_same_and_leaves_nothing_to_choose() {
         for (k, volume) in data().into_iter().enumerate() {
             for orthographic in [false, true] {
                 let volumes = [Arc::new(volume.clone())];
-                let mut scene = Scene::of(Source::Memory);
+                let mut scene = Scene::of(Source::memory());
                 scene.technique = Technique::RayCast(RayCast { mode: mode.clone() });
                 if orthographic {
                     scene.camera.projection = pellucid_scene::Projection::Orthographic { height: None };
@@ -413,7 +413,7 @@ fn a_settled_scene_draws_the_same_and_leaves_nothing_to_choose() {
         }
     }
     // Beside a transfer function in full, names and windows have no effect.
-    let mut scene = Scene::of(Source::Memory);
+    let mut scene = Scene::of(Source::memory());
     let volumes = [Arc::new(patient())];
     scene.volumes[0].transfer_function = Some(scene.resolve(&volumes).unwrap().0.volumes[0].transfer_function.clone());
     scene.volumes[0].window = Some([0.0, 1.0]);
@@ -425,7 +425,7 @@ fn a_settled_scene_draws_the_same_and_leaves_nothing_to_choose() {
 #[test]
 fn an_environment_is_light_enough() {
     use pellucid_optics::{Environment, Light, LightKind, Lighting};
-    let mut scene = Scene::of(Source::Memory);
+    let mut scene = Scene::of(Source::memory());
     let paths = |environment| Technique::PathTrace(pellucid_scene::PathTrace { environment, ..Default::default() });
     let white = Environment::Constant { color: pellucid_optics::Color::WHITE, intensity: 1.0 };
     let volumes = [Arc::new(patient())];

@@ -15,7 +15,7 @@ fn ramp() -> Arc<Volume> {
 }
 
 fn stage(volume: &Arc<Volume>, edit: impl FnOnce(&mut Scene)) -> Stage {
-    let mut scene = Scene::of(Source::Memory);
+    let mut scene = Scene::of(Source::memory());
     edit(&mut scene);
     scene.resolve(std::slice::from_ref(volume)).unwrap().0
 }

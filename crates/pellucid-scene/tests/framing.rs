@@ -38,7 +38,7 @@ fn up_to(value: f64) -> TransferFunction {
 }
 
 fn ball(radius: f64) -> Scene {
-    let mut scene = Scene::of(Source::Memory);
+    let mut scene = Scene::of(Source::memory());
     scene.volumes[0].transfer_function = Some(up_to(radius));
     (scene.image.width, scene.image.height) = (300, 200);
     scene

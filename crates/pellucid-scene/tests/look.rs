@@ -27,7 +27,7 @@ fn techniques() -> [Technique; 4] {
 #[test]
 fn looks_are_ordinary_settings_for_any_technique() {
     for (look, technique) in Look::ALL.into_iter().flat_map(|look| techniques().map(|technique| (look, technique))) {
-        let mut scene = Scene::of(Source::Memory);
+        let mut scene = Scene::of(Source::memory());
         scene.technique = technique.clone();
         let plain = scene.clone();
         look.apply(&mut scene);
@@ -62,7 +62,7 @@ fn looks_are_ordinary_settings_for_any_technique() {
 #[test]
 fn the_sky_behind_is_that_of_the_direction() {
     let [top, bottom] = [Color::hex(0xff8020), Color::hex(0x204080)];
-    let mut scene = Scene::of(Source::Memory);
+    let mut scene = Scene::of(Source::memory());
     let environment = Environment::Gradient { top, bottom, intensity: 2.0 };
     scene.technique = Technique::PathTrace(PathTrace { environment, ..PathTrace::default() });
     scene.image = ImageSettings { width: 5, height: 3, background: Background::Environment, ..Default::default() };
