@@ -52,8 +52,9 @@ pub fn extinction<S: Lanes>(s: S, alpha: F32<S>) -> F32<S> {
 #[inline(always)]
 pub fn opacity_of<S: Lanes>(s: S, depth: F32<S>) -> F32<S> {
     let one = splat(s, 1.0);
-    let thin = depth.simd_lt(splat(s, 0.02));
-    let series = depth * (one - depth * (splat(s, 0.5) - depth * (splat(s, 1.0 / 6.0) - depth * (1.0 / 24.0))));
+    let thin = depth.simd_lt(splat(s, 0.1));
+    let fourth = splat(s, 1.0 / 24.0) - depth * (1.0 / 120.0);
+    let series = depth * (one - depth * (splat(s, 0.5) - depth * (splat(s, 1.0 / 6.0) - depth * fourth)));
     thin.select(series, one - exp2(s, depth * -std::f32::consts::LOG2_E))
 }
 

@@ -50,7 +50,12 @@ impl LightFrame {
                 (position, (center - position).try_normalize()?, false)
             }
         };
-        let (right, up) = forward.any_orthonormal_pair();
+        // Along the box's side that the light sees longest: the picture of a long box would else be a square, nearly
+        // empty where the box lies across it.
+        let across = [1, 2, 4].map(|corner| (corners[corner] - corners[0]).reject_from_normalized(forward));
+        let longest = across.into_iter().fold(DVec3::ZERO, |a, b| if b.length() > a.length() { b } else { a });
+        let right = longest.try_normalize().unwrap_or_else(|| forward.any_orthonormal_vector());
+        let up = forward.cross(right);
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for corner in corners {
             let way = corner - origin;
