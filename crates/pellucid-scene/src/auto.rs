@@ -4,8 +4,8 @@ use std::cell::OnceCell;
 
 use pellucid_field::Volume;
 use pellucid_optics::{
-    ColorMap, Environment, GradientWeight, Interpolation, Light, Lighting, Material, OpacityPoint, OpticsError, Preset, Scale, TransferFunction,
-    opacity_shape,
+    ColorMap, Environment, GradientWeight, Interpolation, Light, Lighting, Material, OpacityPoint, OpticsError, Preset,
+    Scale, TransferFunction, opacity_shape,
 };
 
 use crate::choice::{Choice, number};
@@ -83,7 +83,8 @@ pub fn look(
         }
         None => (tf, 1.0),
     };
-    let weight = preset.map(|preset| preset.gradient_weight(window, volume.grid().mean_spacing())).transpose()?.flatten();
+    let weight =
+        preset.map(|preset| preset.gradient_weight(window, volume.grid().mean_spacing())).transpose()?.flatten();
     let stretched = |weight: GradientWeight| {
         let [low, high] = [weight.low, weight.high].map(|slope| (f64::from(slope) * stretch) as f32);
         GradientWeight { low, high }
@@ -170,13 +171,21 @@ fn with_unit_distance(
         }
         _ => (grid.mean_spacing(), "the mean voxel spacing"),
     };
-    choices.push(Choice { setting: "unit distance", chosen: format!("opacities hold for {} {length} ({why})", number(unit)) });
+    choices.push(Choice {
+        setting: "unit distance",
+        chosen: format!("opacities hold for {} {length} ({why})", number(unit)),
+    });
     tf.with_unit_distance(Some(unit))
 }
 
 /// A preset for data by what is known of their values. A window that was asked for is spread over, which those in
 /// units of their own are not.
-fn preset_for(volume: &Volume, population: &Population, backdrop: Backdrop, window: Option<[f64; 2]>) -> (&'static str, String) {
+fn preset_for(
+    volume: &Volume,
+    population: &Population,
+    backdrop: Backdrop,
+    window: Option<[f64; 2]>,
+) -> (&'static str, String) {
     let hounsfield = volume.value_unit.as_deref() == Some("HU");
     if window.is_none() && (hounsfield || population.is_like_hounsfield()) {
         let why = if hounsfield { "values are in HU" } else { "values reach from air to bone in Hounsfield units" };
@@ -197,21 +206,24 @@ fn preset_for(volume: &Volume, population: &Population, backdrop: Backdrop, wind
 }
 
 /// The values that matter: all but the background, if there is one, and but for outliers.
-fn window_of(
-    population: &Population,
-    backdrop: Backdrop,
-    mode: &Mode,
-    preset: Option<&str>,
-) -> ([f64; 2], String) {
-    let Some([low, high]) = population.ends() else { return ([-0.5, 0.5], "there is no value to choose by".to_owned()) };
+fn window_of(population: &Population, backdrop: Backdrop, mode: &Mode, preset: Option<&str>) -> ([f64; 2], String) {
+    let Some([low, high]) = population.ends() else {
+        return ([-0.5, 0.5], "there is no value to choose by".to_owned());
+    };
     let reach = |from: f64, side: f64| population.reach(from, side).unwrap_or(0.0);
     let ([low, high], why) = match backdrop {
         Backdrop::Between(neutral) if preset == Some("simulation") => {
             let most = reach(neutral, 1.0).max(reach(neutral, -1.0));
             ([neutral - most, neutral + most], format!("as far to both sides of {} as values reach", number(neutral)))
         }
-        Backdrop::Below(common) => ([common, common + reach(common, 1.0)], "from the background, the commonest value, to all but outliers".to_owned()),
-        Backdrop::Above(common) if !shows_values(mode) => ([common - reach(common, -1.0), common], "from all but outliers to the background, the commonest value".to_owned()),
+        Backdrop::Below(common) => (
+            [common, common + reach(common, 1.0)],
+            "from the background, the commonest value, to all but outliers".to_owned(),
+        ),
+        Backdrop::Above(common) if !shows_values(mode) => (
+            [common - reach(common, -1.0), common],
+            "from all but outliers to the background, the commonest value".to_owned(),
+        ),
         _ => ([low, high], "all values but outliers".to_owned()),
     };
     // Wide enough to differ in 32 bits.

@@ -18,7 +18,8 @@ pub fn brightness(volume: &Volume) -> Result<Option<Volume>, FieldError> {
         Voxels::U16(data) => Voxels::from(lumas(data, colors, f64::from(u16::MAX))),
         _ => return Ok(None),
     };
-    let mut luma = Volume::new(*volume.grid(), voxels)?.with_value_map(volume.value_map())?.with_name(volume.name.clone());
+    let mut luma =
+        Volume::new(*volume.grid(), voxels)?.with_value_map(volume.value_map())?.with_name(volume.name.clone());
     (luma.value_unit, luma.length_unit) = (volume.value_unit.clone(), volume.length_unit.clone());
     Ok(Some(luma))
 }

@@ -274,7 +274,8 @@ fn component_of(
                 Some(_) => "their brightness is drawn, in the colours of the transfer function",
                 None => "only number 0 is drawn",
             };
-            let chosen = format!("{components} components, {what}; --component 0 to {} draws one of them", components - 1);
+            let chosen =
+                format!("{components} components, {what}; --component 0 to {} draws one of them", components - 1);
             choices.push(Choice { setting: "component", chosen });
             Ok((bright.map_or_else(|| volume.clone(), Arc::new), 0))
         }

@@ -139,7 +139,16 @@ fn blobs(value: impl Fn(f64, usize) -> f64) -> Vec<f64> {
     (0..N * N * N)
         .map(|k| {
             let (a, b) = (blob(k, 6.0), blob(k, 17.0));
-            value(if a < 4.0 { 5.0 - a / 4.0 } else if b < 4.0 { -3.0 + b / 4.0 } else { 0.0 }, k)
+            value(
+                if a < 4.0 {
+                    5.0 - a / 4.0
+                } else if b < 4.0 {
+                    -3.0 + b / 4.0
+                } else {
+                    0.0
+                },
+                k,
+            )
         })
         .collect()
 }
@@ -151,9 +160,8 @@ fn noise(k: usize) -> f64 {
 
 #[test]
 fn deviations_from_nothing_are_blue_and_red_and_nothing_is_nothing() {
-    let as_f32 = |scale: f64, offset: f64| {
-        blobs(|v, _| v).into_iter().map(|v| (v * scale + offset) as f32).collect::<Vec<_>>()
-    };
+    let as_f32 =
+        |scale: f64, offset: f64| blobs(|v, _| v).into_iter().map(|v| (v * scale + offset) as f32).collect::<Vec<_>>();
     let whole = || blobs(|v, _| (v * 100.0).round()).into_iter().map(|v| v as i16).collect::<Vec<_>>();
     let masked = blobs(|v, k| if k % 3 == 0 { f64::NAN } else { v }).into_iter().map(|v| v as f32).collect::<Vec<_>>();
     for (volume, unit, neutral) in [
@@ -191,7 +199,15 @@ fn continuous_deviations_are_such_and_noise_around_air_is_not() {
     assert!(chose(&choices, "preset").starts_with("density"), "{choices:?}");
     assert!(opacity(&stage, 1.0) > 0.08 && opacity(&stage, 0.0) < 0.01 && opacity(&stage, -0.1) == 0.0);
     // Ripples of resampling beside an edge: an eighth of it, in few voxels.
-    let rippled = by_radius(|r| if r < 7.0 { 1000i16 } else if r < 8.0 { -60 } else { 0 });
+    let rippled = by_radius(|r| {
+        if r < 7.0 {
+            1000i16
+        } else if r < 8.0 {
+            -60
+        } else {
+            0
+        }
+    });
     let (_, choices) = resolve(volume(rippled), Mode::Composite);
     assert!(chose(&choices, "preset").starts_with("micro-ct"), "{choices:?}");
 }
@@ -204,7 +220,12 @@ fn a_hot_voxel_changes_nothing() {
         let middle = (n - 1) as f64 / 2.0;
         let square = |k: usize| (k as f64 - middle).powi(2);
         let radius = |k: usize| (square(k % n) + square(k / n % n) + square(k / (n * n))).sqrt();
-        (grid, (0..n * n * n).map(|k| if radius(k) < n as f64 / 3.0 { 1000.0 - radius(k) * 50.0 } else { 100.0 }).collect::<Vec<f64>>())
+        (
+            grid,
+            (0..n * n * n)
+                .map(|k| if radius(k) < n as f64 / 3.0 { 1000.0 - radius(k) * 50.0 } else { 100.0 })
+                .collect::<Vec<f64>>(),
+        )
     };
     let (small, smaller) = (tiny(12), tiny(7));
     type Make = fn(Grid, &[f64]) -> Volume;
@@ -250,14 +271,21 @@ fn rare_and_bright_is_not_an_outlier() {
         assert!(opacity(&stage, 3.0) > 0.1 && opacity(&stage, 0.0) == 0.0, "{choices:?}");
     }
     // What is twice as bright as the rest, with everything between, is kept.
-    let (stage, choices) = resolve(volume(by_radius(|r| if r < 9.0 { 900.0 / (r + 1.0) } else { 0.0 } as f32)), Mode::Composite);
+    let (stage, choices) =
+        resolve(volume(by_radius(|r| if r < 9.0 { 900.0 / (r + 1.0) } else { 0.0 } as f32)), Mode::Composite);
     assert!(window(&stage)[1] > 400.0, "{choices:?}");
 }
 
 #[test]
 fn ct_numbers_are_recognised_as_floats_too() {
     let patient = |k: usize, r: f64| -> f64 {
-        let value = if r < 3.0 { 1200.0 } else if r < 9.0 { 40.0 } else { -1000.0 };
+        let value = if r < 3.0 {
+            1200.0
+        } else if r < 9.0 {
+            40.0
+        } else {
+            -1000.0
+        };
         value + 30.0 * noise(k)
     };
     let radii: Vec<f64> = by_radius(|r| r);

@@ -128,13 +128,17 @@ fn settings_replace_framing() {
     // Twice the zoom, half the picture around the same middle, and the eye stays where it is: also where distance or
     // height are set.
     let height = Projection::Orthographic { height: Some(3.0) };
-    for (projection, distance) in [(perspective(30.0), None), (perspective(30.0), Some(7.0)), (PARALLEL, None), (height, None)] {
-        let zoomed = |zoom| camera(projection, View::Orbit(Orbit { zoom, distance, ..Orbit::default() })).viewpoint(9, 9, &CUBE);
+    for (projection, distance) in
+        [(perspective(30.0), None), (perspective(30.0), Some(7.0)), (PARALLEL, None), (height, None)]
+    {
+        let zoomed =
+            |zoom| camera(projection, View::Orbit(Orbit { zoom, distance, ..Orbit::default() })).viewpoint(9, 9, &CUBE);
         let (near, far) = (zoomed(2.0), zoomed(1.0));
         assert!((near.half_height * 2.0 - far.half_height).abs() < 1e-12);
         assert_eq!((near.eye, near.target, near.forward), (far.eye, far.target, far.forward));
         // A point half way to the side of the picture is at its side.
-        let aside = far.target + far.right * far.half_height * if far.perspective { (far.eye - far.target).length() } else { 1.0 } / 2.0;
+        let aside = far.target
+            + far.right * far.half_height * if far.perspective { (far.eye - far.target).length() } else { 1.0 } / 2.0;
         assert!((project(&far, aside).0 - 0.5).abs() < 1e-9 && (project(&near, aside).0 - 1.0).abs() < 1e-9);
     }
     // A camera inside the volume is as good as any.
@@ -147,7 +151,9 @@ fn settings_replace_framing() {
 #[test]
 fn a_turntable_turns_about_the_patients_axis() {
     for elevation in [-60.0, 0.0, 20.0, 75.0] {
-        let at = |azimuth| looking(Orbit { target: Some([3.0, 4.0, 5.0]), distance: Some(9.0), ..orbit(azimuth, elevation, 0.0) });
+        let at = |azimuth| {
+            looking(Orbit { target: Some([3.0, 4.0, 5.0]), distance: Some(9.0), ..orbit(azimuth, elevation, 0.0) })
+        };
         for degrees in [30.0, -111.0, 180.0] {
             let (turned, expected) = (at(10.0).turntable(degrees), at(10.0 + degrees));
             for (a, b) in [(turned.eye, expected.eye), (turned.right, expected.right), (turned.up, expected.up)] {

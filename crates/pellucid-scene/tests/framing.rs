@@ -124,7 +124,8 @@ fn a_crop_is_framed_as_a_volume_of_its_own() {
         let volume = Arc::new(Volume::new(grid, vec![1.0f32; grid.len()]).unwrap());
         let (from, to) = ([3.25, 10.0, 1.0], [9.5, 22.0, 6.5]);
         let modes = [Mode::Composite, Mode::Maximum, Mode::Average, Mode::XRay];
-        for (mode, projection) in modes.into_iter().flat_map(|m| [(m.clone(), parallel()), (m, Projection::default())]) {
+        for (mode, projection) in modes.into_iter().flat_map(|m| [(m.clone(), parallel()), (m, Projection::default())])
+        {
             let mut scene = ball(2.0);
             scene.technique = Technique::RayCast(RayCast { mode });
             scene.camera.projection = projection;
@@ -193,11 +194,40 @@ fn a_single_voxel_and_flat_grids_are_framed() {
         let found = view(&scene, &volume);
         let (low, high) = grid.index_bounds();
         // Seen is what is at most 1: within a fifth of a voxel of the last one, across the thickness of flat axes.
-        let corner = DVec3::from_array([0, 1, 2].map(|axis| if dims[axis] == 1 { low[axis] } else { high[axis] - 0.25 }));
+        let corner =
+            DVec3::from_array([0, 1, 2].map(|axis| if dims[axis] == 1 { low[axis] } else { high[axis] - 0.25 }));
         let expected = scene.camera.viewpoint(300, 200, &grid.world_corners_of((corner, high)));
         assert!((found.half_height - expected.half_height).abs() < 0.15, "{dims:?} {found:?} {expected:?}");
         assert!((found.target - expected.target).length() < 0.25, "{dims:?} {found:?} {expected:?}");
     }
+}
+
+/// A voxel that is far from all others and stands alone draws the camera nowhere; a lamp of some voxels does.
+#[test]
+fn a_hot_voxel_is_not_framed() {
+    let (distances, _) = distances(Grid::new([N; 3]).unwrap());
+    let solid = |hot: &[usize]| {
+        let value = |k: usize| {
+            let near = distances.value([k % N, k / N % N, k / (N * N)], 0) < 6.0;
+            if hot.contains(&k) {
+                1e6
+            } else if near {
+                100.0
+            } else {
+                0.0f32
+            }
+        };
+        let volume = Volume::new(*distances.grid(), (0..N * N * N).map(value).collect::<Vec<_>>()).unwrap();
+        let mut scene = Scene::of(Source::Memory);
+        scene.camera.projection = parallel();
+        view(&scene, &Arc::new(volume)).half_height
+    };
+    let last = N * N * N - 1;
+    let clean = solid(&[]);
+    for hot in [&[last][..], &[last, 0, 77 * N], &[N * N + N + 1, 5]] {
+        assert_eq!(solid(hot), clean);
+    }
+    assert!(solid(&[last, last - 1, last - N, last - N * N]) > 1.5 * clean);
 }
 
 /// What is hidden from the transfer function, or absent, is not framed.

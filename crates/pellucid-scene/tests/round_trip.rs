@@ -207,7 +207,7 @@ fn volume() -> impl Strategy<Value = VolumeEntry> {
             }
             VolumeEntry {
                 source,
-                component,
+                component: Some(component).filter(|component| *component > 0),
                 spacing,
                 crop,
                 preset,
@@ -246,7 +246,11 @@ fn camera() -> impl Strategy<Value = Camera> {
         position.iter().zip(target).map(|(p, t)| (t - p).powi(2)).sum::<f64>() > 0.0
     });
     let frame = select(vec![Framing::Visible, Framing::Grid]);
-    (projection, prop_oneof![orbit, look_at], frame).prop_map(|(projection, view, frame)| Camera { projection, view, frame })
+    (projection, prop_oneof![orbit, look_at], frame).prop_map(|(projection, view, frame)| Camera {
+        projection,
+        view,
+        frame,
+    })
 }
 
 fn lighting() -> impl Strategy<Value = Lighting> {
@@ -448,6 +452,7 @@ fn quality() -> impl Strategy<Value = Quality> {
 fn image() -> impl Strategy<Value = ImageSettings> {
     let background = prop_oneof![
         Just(Background::Transparent),
+        Just(Background::Environment),
         color().prop_map(Background::Color),
         (color(), color()).prop_map(|(top, bottom)| Background::Gradient { top, bottom }),
     ];
