@@ -7,6 +7,7 @@ use pellucid_field::{Blocks, Grid, Volume};
 use pellucid_optics::{DataRange, Perturbation, Table, Visibility};
 
 use crate::auto::shows_values;
+use crate::population::Population;
 use crate::{Framing, Mode, Region, StageVolume};
 
 /// What is framed of one volume.
@@ -60,6 +61,8 @@ struct SeenCells<'v> {
     blocks: Vec<[usize; 3]>,
     /// How far noise can move what is seen, in world units.
     moved: f64,
+    /// Beyond these a voxel that stands alone is a fault of the data.
+    credible: [f64; 2],
 }
 
 impl<'v> SeenCells<'v> {
@@ -91,9 +94,29 @@ impl<'v> SeenCells<'v> {
             }
         }
         let moved = farthest_shift(&staged.perturbation, grid);
-        let cells = Self { volume, component, region: &staged.region, seen, blocks: found, moved };
+        let credible = credible(volume, component);
+        let mut cells = Self { volume, component, region: &staged.region, seen, blocks: found, moved, credible };
         // Blocks may be seen that no cell is: on the far side of a clip, say.
+        if !cells.support(DVec3::X).is_finite() {
+            cells.credible = [f64::NEG_INFINITY, f64::INFINITY];
+        }
         cells.support(DVec3::X).is_finite().then_some(cells)
+    }
+
+    /// Whether a voxel is hot or dead: far from what others are, and none beside it as far. It would draw the camera
+    /// to it.
+    fn is_fault(&self, voxel: [usize; 3]) -> bool {
+        let [low, high] = self.credible;
+        let is_beyond = |voxel| {
+            let value = self.volume.value(voxel, self.component);
+            value < low || value > high
+        };
+        let dims = self.volume.grid().dims();
+        let beside = (0..3).flat_map(|axis| {
+            let moved = move |to: usize| [0, 1, 2].map(|a| if a == axis { to } else { voxel[a] });
+            [voxel[axis].checked_sub(1), Some(voxel[axis] + 1).filter(|i| *i < dims[axis])].map(|i| i.map(moved))
+        });
+        is_beyond(voxel) && !beside.flatten().any(is_beyond)
     }
 
     fn support(&self, direction: DVec3) -> f64 {
@@ -174,10 +197,14 @@ impl Search<'_, '_> {
             return;
         }
         let dims = grid.dims();
-        let values = std::array::from_fn(|k| {
-            let voxel = [0, 1, 2].map(|axis| (first[axis] + (k >> axis & 1)).min(dims[axis] - 1));
-            volume.value(voxel, component)
-        });
+        let voxel = |k: usize| [0, 1, 2].map(|axis| (first[axis] + (k >> axis & 1)).min(dims[axis] - 1));
+        let values: [f64; 8] = std::array::from_fn(|k| volume.value(voxel(k), component));
+        let [low, high] = self.cells.credible;
+        // Absent values are neither.
+        let strange = |value: &f64| *value < low || *value > high;
+        if values.iter().any(strange) && (0..8).any(|k| strange(&values[k]) && self.cells.is_fault(voxel(k))) {
+            return;
+        }
         self.part(bounds, values, FINEST);
     }
 
@@ -212,6 +239,15 @@ impl Search<'_, '_> {
             self.part(part, values, halvings - 1);
         }
     }
+}
+
+/// The values of a component but for outliers, and as far again on either side.
+fn credible(volume: &Volume, component: usize) -> [f64; 2] {
+    /// Enough to find the ends of the thousandths; the search for them is short beside that through the blocks.
+    const SOME: usize = 1 << 16;
+    let ends = Population::of_some(volume, component, SOME).ends();
+    let [low, high] = ends.filter(|[low, high]| low < high).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    [low - (high - low), high + (high - low)]
 }
 
 /// How often a cell is halved on each axis: what is seen is known to an eighth of a voxel.

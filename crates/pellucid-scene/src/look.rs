@@ -2,9 +2,8 @@
 
 use pellucid_field::nearest;
 use pellucid_optics::{
-    Albedo, Anisotropy, Color, ColorPoint, Environment, Frame, Light, LightKind, LightModel, Lighting, Material,
-    NumberPoint, OpticsError, Phase, PhaseNormalization, Scattering, ShadowVolume, Shadows, SkyImage, SkySource,
-    SurfaceShare,
+    Albedo, Color, ColorPoint, Environment, Frame, Light, LightKind, LightModel, Lighting, Material, NumberPoint,
+    OpticsError, Phase, PhaseNormalization, Scattering, ShadowVolume, Shadows, SkyImage, SkySource, SurfaceShare,
 };
 
 use crate::{Background, InScatter, Scene, Technique};
@@ -16,11 +15,11 @@ use crate::{Background, InScatter, Scene, Technique};
 pub enum Look {
     /// A key light from the upper left, a fill and a rim, with soft shadows before a gray wall.
     Studio,
-    /// A day outdoors: a warm sun, blue light from the sky, and the sky behind the volume.
+    /// A day outdoors: a warm sun and blue light from the sky.
     Sky,
     /// Flesh, wax and leaves: a warm light from behind on one side comes through what is thin.
     Skin,
-    /// Mist, smoke and clouds before a low sun, in an evening's sky.
+    /// Mist, smoke and clouds in the light of a sun aside, before a blue sky.
     Cloud,
 }
 
@@ -42,9 +41,9 @@ impl Look {
     pub fn title(self) -> &'static str {
         match self {
             Self::Studio => "Key, fill and rim light with soft shadows: shape, for anything",
-            Self::Sky => "Sun and blue sky, which is seen behind: solid things outdoors",
+            Self::Sky => "A warm sun and a blue sky: solid things outdoors",
             Self::Skin => "Warm light from behind that comes through what is thin: flesh, wax, leaves",
-            Self::Cloud => "A low sun behind what scatters and has no surface: clouds, smoke, densities",
+            Self::Cloud => "A sun aside of what scatters and has no surface: clouds, smoke, densities",
         }
     }
 
@@ -65,7 +64,7 @@ impl Look {
     /// Makes the settings of a scene its own. Nothing else remembers it: a scene that is saved holds the settings.
     pub fn apply(self, scene: &mut Scene) {
         scene.lighting = self.lighting();
-        scene.image.background = self.background(&scene.technique);
+        scene.image.background = self.background();
         match &mut scene.technique {
             Technique::PathTrace(settings) => {
                 settings.environment = self.environment();
@@ -76,14 +75,12 @@ impl Look {
                 }
             }
             Technique::HalfAngle(settings) => {
-                settings.ambient = self != Self::Cloud;
+                settings.ambient = true;
                 settings.blur_angle = if self == Self::Skin { 45.0 } else { 35.0 };
-                if self == Self::Cloud {
-                    settings.in_scatter = InScatter::DirectFromMatter;
-                    settings.initial_indirect = 0.3;
-                } else {
-                    settings.indirect = 0.55;
-                }
+                (settings.in_scatter, settings.initial_indirect, settings.indirect) = match self {
+                    Self::Cloud => (InScatter::DirectFromMatter, 0.3, 1.0),
+                    _ => (InScatter::default(), 1.0, 0.55),
+                };
             }
             Technique::RayCast(_) | Technique::Slicing(_) => {}
         }
@@ -112,21 +109,20 @@ impl Look {
             Self::Skin => (
                 vec![
                     light([-0.8, -0.25, 0.55], 0xffe6c8, 1.3, Frame::Camera),
-                    Light { specular: false, ..light([0.6, -0.5, -0.7], 0xe8eeff, 0.45, Frame::Camera) },
+                    Light { specular: false, ..light([0.6, -0.5, -0.7], 0xe8eeff, 0.6, Frame::Camera) },
                 ],
                 0.2,
             ),
-            Self::Cloud => (vec![light([-0.55, -0.6, 0.6], 0xfff0dc, 1.3, Frame::Camera)], 0.3),
+            Self::Cloud => (vec![light([-0.65, -0.6, -0.3], 0xfff0dc, 1.5, Frame::Camera)], 0.35),
         };
         let model = if self == Self::Cloud { LightModel::Scattering } else { LightModel::Surface };
         Lighting { lights, ambient, shadows, model }
     }
 
-    fn background(self, technique: &Technique) -> Background {
+    fn background(self) -> Background {
         let gradient = |top, bottom| Background::Gradient { top: Color::hex(top), bottom: Color::hex(bottom) };
         match self {
             Self::Studio => gradient(0x565a61, 0x1c1e22),
-            Self::Sky if matches!(technique, Technique::PathTrace(_)) => Background::Environment,
             Self::Sky => gradient(0x4c7fc0, 0xd6e2ec),
             Self::Skin => gradient(0x2b2422, 0x0c0a0a),
             Self::Cloud => gradient(0x2a5c9e, 0xa8c8e8),
@@ -177,8 +173,8 @@ impl Look {
             }
             Self::Skin => Scattering { surface: surface(0.45), transport: everywhere(0xfbded2), ..scattering },
             Self::Cloud => Scattering {
-                phase: Phase::HenyeyGreenstein { g: 0.6 },
-                anisotropy: if physical { Anisotropy::Uniform } else { Anisotropy::Cloud },
+                // A cloud throws most light on; where that is not conserved, its sides would be black.
+                phase: Phase::HenyeyGreenstein { g: if physical { 0.6 } else { 0.2 } },
                 albedo: if physical { Albedo::Constant(0.99) } else { Albedo::Color },
                 transport: everywhere(0xebedf2),
                 ..scattering

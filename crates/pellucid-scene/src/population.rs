@@ -27,15 +27,19 @@ pub enum Backdrop {
 }
 
 /// Most values that are looked at one by one.
-const MOST: usize = 1 << 20;
+const MOST: usize = 1 << 18;
 
 impl Population {
-    /// That of a component; of very many voxels, of a million spread evenly over them.
+    /// That of a component; of very many voxels, of some spread evenly over them.
     pub fn of(volume: &Volume, component: usize) -> Self {
+        Self::of_some(volume, component, MOST)
+    }
+
+    /// That of so many voxels, where there are more.
+    pub fn of_some(volume: &Volume, component: usize, most: usize) -> Self {
         let (voxels, components, map) = (volume.voxels(), volume.components(), volume.value_map());
         let total = volume.grid().len();
-        let stride = stride(total);
-        let count = if stride == 1 { total } else { MOST / 4 };
+        let (stride, count) = if total <= most { (1, total) } else { (stride(total), most) };
         let value = |k: usize| {
             let voxel = (k as u128 * stride as u128 % total as u128) as usize;
             map.value(voxels.get(voxel * components + component))
@@ -194,11 +198,8 @@ fn top(distances: &[f64]) -> Option<f64> {
 }
 
 /// The step from voxel to voxel of a sample: the golden section of their number, whose multiples spread evenly
-/// (Knuth, The Art of Computer Programming, 6.4), and which is no divisor of rows and slices; 1 if all are looked at.
+/// (Knuth, The Art of Computer Programming, 6.4), and which is no divisor of rows and slices.
 fn stride(total: usize) -> usize {
-    if total <= MOST {
-        return 1;
-    }
     let gcd = |mut a: usize, mut b: usize| {
         while b > 0 {
             (a, b) = (b, a % b);

@@ -202,6 +202,34 @@ fn a_single_voxel_and_flat_grids_are_framed() {
     }
 }
 
+/// A voxel that is far from all others and stands alone draws the camera nowhere; a lamp of some voxels does.
+#[test]
+fn a_hot_voxel_is_not_framed() {
+    let (distances, _) = distances(Grid::new([N; 3]).unwrap());
+    let solid = |hot: &[usize]| {
+        let value = |k: usize| {
+            let near = distances.value([k % N, k / N % N, k / (N * N)], 0) < 6.0;
+            if hot.contains(&k) {
+                1e6
+            } else if near {
+                100.0
+            } else {
+                0.0f32
+            }
+        };
+        let volume = Volume::new(*distances.grid(), (0..N * N * N).map(value).collect::<Vec<_>>()).unwrap();
+        let mut scene = Scene::of(Source::Memory);
+        scene.camera.projection = parallel();
+        view(&scene, &Arc::new(volume)).half_height
+    };
+    let last = N * N * N - 1;
+    let clean = solid(&[]);
+    for hot in [&[last][..], &[last, 0, 77 * N], &[N * N + N + 1, 5]] {
+        assert_eq!(solid(hot), clean);
+    }
+    assert!(solid(&[last, last - 1, last - N, last - N * N]) > 1.5 * clean);
+}
+
 /// What is hidden from the transfer function, or absent, is not framed.
 #[test]
 fn holes_are_not_framed() {

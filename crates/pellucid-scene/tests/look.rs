@@ -51,9 +51,7 @@ fn looks_are_ordinary_settings_for_any_technique() {
         let mut again = scene.clone();
         Look::Studio.apply(&mut again);
         look.apply(&mut again);
-        assert_eq!(again.lighting, scene.lighting);
-        assert_eq!(again.image, scene.image);
-        assert_eq!(again.volumes, scene.volumes);
+        assert_eq!(again, scene, "{look:?}");
     }
     assert_eq!(Look::by_name("skin"), Ok(Look::Skin));
     assert!(Look::by_name("skiny").unwrap_err().to_string().contains("studio, sky, skin, cloud"));

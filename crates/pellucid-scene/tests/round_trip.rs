@@ -207,7 +207,7 @@ fn volume() -> impl Strategy<Value = VolumeEntry> {
             }
             VolumeEntry {
                 source,
-                component,
+                component: Some(component).filter(|component| *component > 0),
                 spacing,
                 crop,
                 preset,
@@ -452,6 +452,7 @@ fn quality() -> impl Strategy<Value = Quality> {
 fn image() -> impl Strategy<Value = ImageSettings> {
     let background = prop_oneof![
         Just(Background::Transparent),
+        Just(Background::Environment),
         color().prop_map(Background::Color),
         (color(), color()).prop_map(|(top, bottom)| Background::Gradient { top, bottom }),
     ];

@@ -31,7 +31,7 @@ fn table() -> Vec<(&'static [&'static str], &'static str, Value)> {
         (&["--eye", "-9,0,0", "--target", "1,2,3", "--up", "0,-1,0"], "/camera/view/look_at/up", json!([0.0, -1.0, 0.0])),
         (&["--fov", "45"], "/camera/projection/perspective/vertical_fov", json!(45.0)),
         (&["--frame", "grid"], "/camera/frame", json!("grid")),
-        (&["--look", "sky"], "/lighting/ambient", json!(0.6)),
+        (&["--look", "studio"], "/lighting/ambient", json!(0.25)),
         (&["--background", "environment"], "/image/background", json!("environment")),
         (&["--orthographic=12"], "/camera/projection/orthographic/height", json!(12.0)),
         (&["--preset", "ct-bone"], "/volumes/0/preset", json!("ct-bone")),
