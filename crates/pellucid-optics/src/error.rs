@@ -142,5 +142,5 @@ pub(crate) fn unknown_name<'a>(
 
 /// The question after a name that is not known.
 fn pointer(meant: &Option<impl std::fmt::Display>) -> String {
-    meant.as_ref().map_or_else(String::new, |name| format!(", did you mean {name}?"))
+    meant.as_ref().map_or_else(String::new, |name| format!(" (did you mean {name}?)"))
 }

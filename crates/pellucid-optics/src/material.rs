@@ -27,7 +27,7 @@ pub struct Material {
     #[schemars(range(min = 0.0, max = 1.0))]
     pub specular: f32,
     /// Sharpness of the highlight, the exponent of Blinn and Phong, from 1 to 1000; default 30.
-    /// Its highlight is 12 degrees of tilt from centre to half brightness. The 100 of the book's
+    /// Its highlight is 12 degrees of tilt from centre to half brightness. The 100 of much
     /// sample code makes it 7, of the order of the noise of gradients in measured data, which
     /// then sparkle.
     #[schemars(range(min = 1.0, max = 1000.0))]

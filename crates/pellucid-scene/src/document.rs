@@ -156,7 +156,7 @@ fn step(segment: &Segment) -> Option<Step> {
 
 /// The JSON Schema of scene documents (for both formats).
 pub fn json_schema() -> String {
-    let mut schema = schemars::schema_for!(Scene).to_value();
-    citations::leave_out(&mut schema);
+    let mut schema = schemars::schema_for!(Scene);
+    schema.ensure_object().values_mut().for_each(citations::leave_out);
     serde_json::to_string_pretty(&schema).expect("a schema is JSON") + "\n"
 }

@@ -50,7 +50,7 @@ pub fn pointed(message: &str) -> String {
     }
     let known: Vec<&str> = list.split('`').skip(1).step_by(2).collect();
     let meant = word(head).and_then(|found| meant(&found, known.iter().copied()));
-    meant.map_or_else(|| message.to_owned(), |meant| format!("{head}, did you mean `{meant}`? Expected {list}"))
+    meant.map_or_else(|| message.to_owned(), |meant| format!("{head} (did you mean `{meant}`?), expected {list}"))
 }
 
 #[cfg(test)]
@@ -79,11 +79,11 @@ mod tests {
     fn messages_of_serde_are_pointed() {
         assert_eq!(
             pointed("unknown variant `mip`, expected one of `composite`, `maximum`"),
-            "unknown variant `mip`, did you mean `maximum`? Expected one of `composite`, `maximum`"
+            "unknown variant `mip` (did you mean `maximum`?), expected one of `composite`, `maximum`"
         );
         assert_eq!(
             pointed("unknown field `stepp`, expected `step` or `filter`"),
-            "unknown field `stepp`, did you mean `step`? Expected `step` or `filter`"
+            "unknown field `stepp` (did you mean `step`?), expected `step` or `filter`"
         );
         let other = "invalid type: string \"a\", expected f64";
         assert_eq!(pointed(other), other);

@@ -74,6 +74,13 @@ fn defaults_of(scene: &Scene) -> Scene {
         ..Scene::default()
     };
     plain.camera.view = View::Orbit(Orbit::default());
+    // What turns off what is off anyway is no mistake.
+    if scene.lighting.ambient == 0.0 {
+        plain.lighting.ambient = 0.0;
+    }
+    for (plain, entry) in plain.volumes.iter_mut().zip(&scene.volumes) {
+        plain.shading = entry.shading.filter(|lit| !lit);
+    }
     plain
 }
 

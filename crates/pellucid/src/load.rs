@@ -81,7 +81,7 @@ pub enum LoadError {
 
 /// The question after a name that no built-in field has.
 fn pointer(found: &str) -> String {
-    nearest(found, closed_form::names()).map_or_else(String::new, |name| format!(", did you mean {name}?"))
+    nearest(found, closed_form::names()).map_or_else(String::new, |name| format!(" (did you mean {name}?)"))
 }
 
 /// Loads the volumes of a scene, one per entry, in order. Relative paths start at `base`, usually

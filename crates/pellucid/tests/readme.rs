@@ -46,7 +46,9 @@ fn with_files() -> TempDir {
     let middle = |k: usize| [k % 12, k / 12 % 12, k / 144].iter().all(|i| (3..9).contains(i));
     let scan = volume([12; 3], &|k| if middle(k) { 700 } else { -1000 });
     write(at("scan.nii.gz"), &scan, &WriteOptions::default()).unwrap();
-    write(at("engine.nrrd"), &scan, &WriteOptions::default()).unwrap();
+    let bytes: Vec<u8> = (0..12 * 12 * 12).map(|k| (k % 256) as u8).collect();
+    let engine = Volume::new(Grid::new([12; 3]).unwrap(), Voxels::from(bytes)).unwrap();
+    write(at("engine.nrrd"), &engine, &WriteOptions::default()).unwrap();
     let scene = "volumes = [{ source.sample = { name = \"head\", dims = [20, 24, 24] } }]\n\
         image = { width = 40, height = 30 }\n";
     std::fs::write(at("scene.toml"), scene).unwrap();
@@ -92,9 +94,17 @@ fn every_command_of_the_readme_runs() {
                 }
                 other => panic!("the README has a command of {other} that this test cannot run: {part}"),
             };
+            // What a shell does with the output.
+            let (words, redirected) = match words.iter().position(|word| word == ">") {
+                Some(at) => (words[..at].to_vec(), words.get(at + 1).cloned()),
+                None => (words, None),
+            };
             let words = small(words);
             let output = run_in(folder.path(), &words.iter().map(String::as_str).collect::<Vec<_>>());
             assert_eq!(output.status.code(), Some(0), "{part}: {}", text(&output.stderr));
+            if let Some(name) = redirected {
+                std::fs::write(folder.path().join(name), &output.stdout).unwrap();
+            }
             let told = text(&output.stderr);
             assert!(!told.contains("has no effect"), "{part}: {told}");
             let written = words.iter().position(|word| word == "-o").map(|at| folder.path().join(&words[at + 1]));

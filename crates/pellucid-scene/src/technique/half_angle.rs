@@ -98,7 +98,7 @@ pub enum BlurJitter {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum BlurScaling {
-    /// `d tan(angle / 2)`, as in the paper. Offsets of slices add like a random walk, so finer slices blur
+    /// `d tan(angle / 2)`, as it was published. Offsets of slices add like a random walk, so finer slices blur
     /// less, with the root of their distance (K-09).
     #[default]
     PerSlice,
@@ -106,7 +106,7 @@ pub enum BlurScaling {
     PerDistance,
 }
 
-/// What becomes indirect light in a slice: the weights of Eq. 6.7.
+/// What becomes indirect light in a slice (Eq. 6.7).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum InScatter {

@@ -106,7 +106,7 @@ impl FromStr for Rendition {
         let unknown = || {
             let names: Vec<&str> = known.map(|(name, ..)| name).collect();
             let pointer = meant(name, names.iter().copied());
-            let pointer = pointer.map_or_else(String::new, |name| format!(", did you mean {name}?"));
+            let pointer = pointer.map_or_else(String::new, |name| format!(" (did you mean {name}?)"));
             format!("'{name}' is none of {}{pointer}", names.join(", "))
         };
         let (_, technique, settings) = found.ok_or_else(unknown)?;
