@@ -162,7 +162,7 @@ mod limits {
         let folder = tempdir().unwrap();
         let args = [&RENDER, &["--size", "1024x1024", "-o", "a.png"][..]].concat();
         let (mut done, mut told) = (0, 0);
-        for kilobytes in (160_000..760_000).step_by(40_000) {
+        for kilobytes in (200_000..1_800_000).step_by(80_000) {
             let output = limited(folder.path(), &format!("ulimit -v {kilobytes}"), &args);
             let said = text(&output.stderr);
             if output.status.code() == Some(0) {
