@@ -166,27 +166,23 @@ impl Histogram {
     ) {
         let components = volume.components();
         let none = || (vec![0u64; bins], 0u64);
-        let add = |chunk: &[T], counts: &mut [u64], absent: &mut u64| {
+        let count = |(mut counts, mut absent): (Vec<u64>, u64), chunk: &[T]| {
             for value in chunk.iter().skip(component).step_by(components) {
                 let value = value.to_f64();
                 if value.is_finite() {
                     counts[bin_of(value).min(bins - 1)] += 1;
                 } else {
-                    *absent += 1;
+                    absent += 1;
                 }
             }
+            (counts, absent)
         };
-        let counted = || {
-            let parts = data.par_chunks(CHUNK * components).fold(none, |(mut counts, mut absent), chunk| {
-                add(chunk, &mut counts, &mut absent);
-                (counts, absent)
-            });
-            parts.reduce(none, |(mut a, absent), (b, more)| {
-                a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-                (a, absent + more)
-            })
+        let join = |(mut a, absent): (Vec<u64>, u64), (b, more): (Vec<u64>, u64)| {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+            (a, absent + more)
         };
-        (self.counts, self.absent) = parallel(counted);
+        let chunks = || data.par_chunks(CHUNK * components);
+        (self.counts, self.absent) = parallel(|| chunks().fold(none, count).reduce(none, join));
     }
 }
 

@@ -94,3 +94,43 @@ fn the_processor_stands_in_for_what_the_adapter_lacks() {
     let (_, plain) = stage(&folder().join("composite-tubes.toml"));
     assert!(renderer.render(&plain, &Control::default()).unwrap().warnings.is_empty());
 }
+
+#[test]
+fn the_processor_stands_in_for_an_adapter_that_gives_out() {
+    let (_, stage) = stage(&folder().join("composite-bone.toml"));
+    let expected = draw(&stage);
+    let starved = || gpu(&Ceiling { memory: Some(20_000), ..Ceiling::default() });
+    let lost = || {
+        let mut gpu = gpu(&Ceiling::default());
+        assert!(gpu.render(&stage, &Control::default()).unwrap().warnings.is_empty());
+        gpu.device().device.destroy();
+        gpu
+    };
+    for (gpu, why) in [(&lost as &dyn Fn() -> GpuRenderer, "was lost"), (&starved, "20000 are allowed")] {
+        let mut renderer = Renderer::from(gpu()).with_stand_in(CpuRenderer::new());
+        for _ in 0..2 {
+            let frame = renderer.render(&stage, &Control::default()).unwrap();
+            let [RenderWarning::Fallback { reason }] = &frame.warnings[..] else { panic!("{:?}", frame.warnings) };
+            assert!(reason.contains(why) && reason.contains("the processor drew"), "{reason}");
+            assert_eq!(frame.color, expected.color, "{why}");
+        }
+        // Who asks for the adapter is told instead.
+        assert!(Renderer::from(gpu()).render(&stage, &Control::default()).unwrap_err().to_string().contains(why));
+    }
+    let choices = Renderer::from(starved()).with_stand_in(CpuRenderer::new()).choices(&stage).unwrap();
+    assert!(choices[0].chosen.starts_with("cpu, as ") && choices[0].chosen.contains("20000"), "{choices:?}");
+}
+
+#[test]
+fn the_processors_work_beside_an_adapter_has_the_threads_that_were_said() {
+    use pellucid::field::{Threads, thread_count};
+    let (_, stage) = stage(&folder().join("composite-bone.toml"));
+    for count in [1, 3] {
+        let mut renderer = Renderer::from(gpu(&Ceiling::default())).on_threads(Threads::new(count).unwrap());
+        let counts = std::sync::Mutex::new(Vec::new());
+        let note = |_| counts.lock().unwrap().push(thread_count());
+        renderer.render(&stage, &Control { progress: Some(&note), cancel: None }).unwrap();
+        let counts = counts.into_inner().unwrap();
+        assert!(!counts.is_empty() && counts.iter().all(|found| *found == count), "{counts:?}");
+    }
+}
