@@ -55,7 +55,9 @@ pub use nodes::{DataRange, Nodes};
 pub use opacity::{correct_associated, correct_opacity, extinction, opacity_from_extinction, over, path_extinction};
 pub use opacity_shapes::{opacity_shape, opacity_shape_names};
 pub use perturbation::{Displacement, Octave, Perturbation, PropertyNoise};
-pub use phase::{BackLobe, MOST_ANISOTROPY, Phase, PhaseEntries, PhaseNormalization, PhaseTable, TableAngles, turned};
+pub use phase::{
+    BackLobe, MOST_ANISOTROPY, Phase, PhaseEntries, PhaseNormalization, PhaseTable, PhaseTextError, TableAngles, turned,
+};
 pub use preintegration::PreIntegration;
 pub use presets::{Modality, Preset, Scale};
 pub use reflection::Reflection;
