@@ -16,6 +16,7 @@ mod clip;
 mod control;
 mod document;
 mod encode;
+mod files;
 mod frame;
 pub mod half_angle;
 mod image;
