@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use pellucid::scene::{Control, Frame, Scene, Source};
-use pellucid::{Backend, Renderer, load};
+use pellucid::{Backend, LoadOptions, Renderer, load_with};
 
 fn folder() -> Option<PathBuf> {
     let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
@@ -16,7 +16,7 @@ fn draw(path: &Path, skipping: bool) -> Frame {
     let mut scene = Scene::of(Source::File(path.to_owned()));
     (scene.image.width, scene.image.height) = (160, 160);
     scene.quality.empty_space_skipping = skipping;
-    let (volumes, _) = load(&scene, "").unwrap();
+    let (volumes, _) = load_with(&scene, "", &LoadOptions { outside: true, ..LoadOptions::default() }).unwrap();
     let (stage, choices) = scene.resolve(&volumes).unwrap();
     assert!(choices.iter().any(|choice| choice.setting == "preset"), "{choices:?}");
     Renderer::new(Backend::Auto).unwrap().render(&stage, &Control::default()).unwrap()

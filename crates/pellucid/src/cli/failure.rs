@@ -90,6 +90,14 @@ impl From<LoadError> for Failure {
             LoadError::Io(IoError::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {
                 Self::input(&error).hint("'sample:NAME' draws a built-in field; 'pellucid sample --list' lists them")
             }
+            LoadError::Io(IoError::Limit { setting: "bytes", found, .. }) => {
+                let enough = format!("{}M", found.div_ceil(1 << 20));
+                Self::input(&error)
+                    .hint(format!("--max-bytes {enough} reads it, if you trust the file and have the memory"))
+            }
+            LoadError::Io(IoError::Outside { .. }) => {
+                Self::input(&error).hint("--allow-outside reads it, if you trust the scene or header that names it")
+            }
             LoadError::Io(IoError::Unsupported { what, .. }) if what.contains("format") => {
                 Self::input(&error).hint("a headerless file needs --dims and --type")
             }

@@ -3,7 +3,6 @@
 use std::fmt::Write;
 
 use pellucid::field::{Grid, Histogram, Volume, Warning};
-use pellucid::load;
 use pellucid::scene::{Choice, Scene, Source};
 use serde_json::{Value, json};
 
@@ -37,7 +36,7 @@ pub fn run(args: &InfoArgs) -> Result<(), Failure> {
     let mut objects = Vec::new();
     for (k, input) in args.inputs.iter().enumerate() {
         let base = input.open(&args.raw)?;
-        let (volumes, warnings) = load(&base.scene, &base.folder)?;
+        let (volumes, warnings) = base.load(&base.scene)?;
         for volume in &volumes {
             let about = About::new(volume, args.component, &warnings)?;
             if args.json {

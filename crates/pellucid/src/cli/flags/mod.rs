@@ -10,7 +10,6 @@ pub mod technique;
 use std::sync::Arc;
 
 use pellucid::field::Volume;
-use pellucid::load_optics;
 use pellucid::scene::{Camera, Choice, Scene, Stage, VolumeEntry};
 
 use super::failure::Failure;
@@ -65,10 +64,10 @@ impl SceneFlags {
     /// The stage of the scene that [`SceneFlags::apply`] made of `base`, once what flags leave to the
     /// loaded volumes is filled in, and its optics are read.
     pub fn stage(&self, base: &Base, mut scene: Scene, volumes: &[Arc<Volume>]) -> Result<Staged, Failure> {
-        load_optics(&mut scene, &base.folder)?;
+        base.load_optics(&mut scene)?;
         let (stage, choices) = scene.resolve(volumes)?;
         let Some(mut scene) = self.settle(&base.scene, &stage)? else { return Ok(Staged { scene, stage, choices }) };
-        load_optics(&mut scene, &base.folder)?;
+        base.load_optics(&mut scene)?;
         let (stage, choices) = scene.resolve(volumes)?;
         Ok(Staged { scene, stage, choices })
     }
