@@ -99,26 +99,28 @@ impl Blocks {
         ((b * self.size).saturating_sub(self.reach), ((b + 1) * self.size).saturating_add(self.reach).min(n - 1))
     }
 
-    /// Row by row of blocks: first the range of all rows of voxels that belong to it, sample by
-    /// sample, which is a straight run through memory; then along the row.
+    /// Run by run of blocks in a row: first the range of all rows of voxels that belong to it, sample by
+    /// sample, which is a straight run through memory; then along the run.
     fn fill<T: Voxel>(&mut self, data: &[T], volume: &Volume, component: usize) {
         let grid = volume.grid();
         let ([nx, ny, nz], components) = (grid.dims(), volume.components());
         let ([bx, by, _], map) = (self.dims, volume.value_map());
         let (lowest, highest) = (T::from_f64(f64::NEG_INFINITY), T::from_f64(f64::INFINITY));
         let mut ranges = std::mem::take(&mut self.ranges);
-        let fill = |(row, ranges): (usize, &mut [[f32; 2]])| {
-            let (mut low, mut high) = (vec![highest; nx * components], vec![lowest; nx * components]);
+        let fill = |(row, first, ranges): (usize, usize, &mut [[f32; 2]])| {
+            let (from, to) = (self.voxels(first, nx).0, self.voxels(first + ranges.len() - 1, nx).1 + 1);
+            let length = (to - from) * components;
+            let (mut low, mut high) = (vec![highest; length], vec![lowest; length]);
             let ((y0, y1), (z0, z1)) = (self.voxels(row % by, ny), self.voxels(row / by, nz));
             for (z, y) in (z0..=z1).flat_map(|z| (y0..=y1).map(move |y| (z, y))) {
-                let start = grid.linear_index([0, y, z]) * components;
-                widen(&mut low, &mut high, &data[start..start + nx * components]);
+                let start = grid.linear_index([from, y, z]) * components;
+                widen(&mut low, &mut high, &data[start..start + length]);
             }
             for (b, range) in ranges.iter_mut().enumerate() {
-                let (x0, x1) = self.voxels(b, nx);
+                let (x0, x1) = self.voxels(first + b, nx);
                 let (mut least, mut most) = (highest, lowest);
                 for x in x0..=x1 {
-                    let i = x * components + component;
+                    let i = (x - from) * components + component;
                     least = if low[i] < least { low[i] } else { least };
                     most = if high[i] > most { high[i] } else { most };
                 }
@@ -128,10 +130,16 @@ impl Blocks {
                 }
             }
         };
-        parallel(|| ranges.par_chunks_mut(bx).enumerate().for_each(fill));
+        let runs = ranges.par_chunks_mut(bx).enumerate().flat_map(|(row, ranges)| {
+            ranges.par_chunks_mut(RUN).enumerate().map(move |(run, ranges)| (row, run * RUN, ranges))
+        });
+        parallel(|| runs.for_each(fill));
         self.ranges = ranges;
     }
 }
+
+/// Blocks whose voxels are looked at together; a longer row is cut, so that it costs no more memory than others.
+const RUN: usize = 512;
 
 /// Widens ranges by the finite ones of some values.
 fn widen<T: Voxel>(low: &mut [T], high: &mut [T], values: &[T]) {

@@ -78,6 +78,14 @@ proptest! {
     }
 }
 
+/// Rows are looked at in parts, and the parts meet.
+#[test]
+fn long_rows_are_those_of_brute_force() {
+    for (size, reach) in [(8, 0), (8, 3), (3, 1), (1, 0)] {
+        check(&volume::<i16>([9001, 2, 3], 2, ValueMap::IDENTITY, 7), 1, size, reach);
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
     /// Whatever lies in a block, holes and all, no sample leaves its range by more than a filter's share.

@@ -1,6 +1,6 @@
 //! How values are encoded in a file: byte streams over compressed and textual data.
 
-use std::io::{self, Cursor, Read};
+use std::io::{self, BufRead, Read};
 
 use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::{GzDecoder, ZlibDecoder};
@@ -8,7 +8,7 @@ use half::f16;
 use pellucid_field::VoxelType;
 
 use crate::StoredType;
-use crate::source::Bytes;
+use crate::lookahead::Lookahead;
 
 /// How values are encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub(crate) enum Encoding {
 }
 
 /// Deflate cannot do better than one bit for a match of 258 bytes.
-const DEFLATE_RATIO: u64 = 1032;
+pub(crate) const DEFLATE_RATIO: u64 = 1032;
 
 impl Encoding {
     pub fn name(self) -> &'static str {
@@ -55,47 +55,30 @@ impl Encoding {
         }
     }
 
-    /// The decoded bytes; those of [`Encoding::Text`] are in native order.
-    pub fn reader(self, window: Window, stored: StoredType) -> Box<dyn Read> {
-        let is_gzip = window.as_ref().starts_with(&[0x1f, 0x8b]);
-        let cursor = Cursor::new(window);
-        match self {
-            Self::Raw => Box::new(cursor),
-            Self::Gzip => Box::new(GzipMembers { member: Some(GzDecoder::new(cursor)) }),
-            Self::Zlib if is_gzip => Box::new(GzipMembers { member: Some(GzDecoder::new(cursor)) }),
-            Self::Zlib => Box::new(ZlibDecoder::new(cursor)),
-            Self::Bzip2 => Box::new(MultiBzDecoder::new(cursor)),
-            Self::Hex => Box::new(Hex { cursor }),
-            Self::Text => Box::new(Text { cursor, stored, pending: Vec::new(), taken: 0 }),
-        }
+    /// The decoded bytes; those of [`Encoding::Text`] are in native order. Errors tell places, not content: a header
+    /// may name a file that its author could not read.
+    pub fn reader(self, mut encoded: Lookahead, stored: StoredType) -> io::Result<Box<dyn Read>> {
+        Ok(match self {
+            Self::Raw => Box::new(encoded),
+            Self::Gzip => Box::new(GzipMembers { member: Some(GzDecoder::new(encoded)) }),
+            Self::Zlib if encoded.peek(2)?.starts_with(&GZIP) => {
+                Box::new(GzipMembers { member: Some(GzDecoder::new(encoded)) })
+            }
+            Self::Zlib => Box::new(ZlibDecoder::new(encoded)),
+            Self::Bzip2 => Box::new(MultiBzDecoder::new(encoded)),
+            Self::Hex => Box::new(Hex { encoded, position: 0 }),
+            Self::Text => Box::new(Text { encoded, stored, values: 0, pending: Vec::new(), taken: 0 }),
+        })
     }
 }
 
-/// A stretch of shared bytes.
-pub(crate) struct Window {
-    bytes: Bytes,
-    start: usize,
-    end: usize,
-}
-
-impl Window {
-    /// Everything from `start` on.
-    pub fn from(bytes: Bytes, start: usize) -> Self {
-        let end = (*bytes).as_ref().len();
-        Self { bytes, start: start.min(end), end }
-    }
-}
-
-impl AsRef<[u8]> for Window {
-    fn as_ref(&self) -> &[u8] {
-        &(*self.bytes).as_ref()[self.start..self.end]
-    }
-}
+/// How gzip data begin.
+pub(crate) const GZIP: [u8; 2] = [0x1f, 0x8b];
 
 /// Gzip members one after the other. Whatever follows the last member is no part of the data, as
 /// for the gzip program (files padded with zeros are common).
 struct GzipMembers {
-    member: Option<GzDecoder<Cursor<Window>>>,
+    member: Option<GzDecoder<Lookahead>>,
 }
 
 impl Read for GzipMembers {
@@ -105,10 +88,11 @@ impl Read for GzipMembers {
             if n > 0 || out.is_empty() {
                 return Ok(n);
             }
-            self.member = self.member.take().map(GzDecoder::into_inner).and_then(|cursor| {
-                let rest = &cursor.get_ref().as_ref()[cursor.position() as usize..];
-                rest.starts_with(&[0x1f, 0x8b]).then(|| GzDecoder::new(cursor))
-            });
+            if let Some(mut rest) = self.member.take().map(GzDecoder::into_inner)
+                && rest.peek(2)?.starts_with(&GZIP)
+            {
+                self.member = Some(GzDecoder::new(rest));
+            }
         }
         Ok(0)
     }
@@ -116,38 +100,42 @@ impl Read for GzipMembers {
 
 /// Two hexadecimal digits per byte; white space anywhere.
 struct Hex {
-    cursor: Cursor<Window>,
+    encoded: Lookahead,
+    /// Bytes read.
+    position: u64,
+}
+
+impl Hex {
+    fn digit(&mut self) -> io::Result<Option<u8>> {
+        loop {
+            let Some(&byte) = self.encoded.fill_buf()?.first() else { return Ok(None) };
+            self.encoded.consume(1);
+            self.position += 1;
+            if !byte.is_ascii_whitespace() {
+                let digit = char::from(byte).to_digit(16).map(|digit| digit as u8);
+                return digit.map(Some).ok_or_else(|| invalid(format!("character {} is no digit", self.position)));
+            }
+        }
+    }
 }
 
 impl Read for Hex {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        let mut position = self.cursor.position() as usize;
-        let text = self.cursor.get_ref().as_ref();
-        let mut digit = || {
-            while text.get(position).is_some_and(u8::is_ascii_whitespace) {
-                position += 1;
-            }
-            let &byte = text.get(position)?;
-            position += 1;
-            Some((byte as char).to_digit(16).ok_or_else(|| invalid(format!("'{}' is no digit", byte.escape_ascii()))))
-        };
-        let mut written = 0;
-        while written < out.len()
-            && let Some(high) = digit()
-        {
-            let low = digit().ok_or_else(|| invalid("the last byte has one digit".to_owned()))?;
-            out[written] = (high? << 4 | low?) as u8;
-            written += 1;
+        for (written, byte) in out.iter_mut().enumerate() {
+            let Some(high) = self.digit()? else { return Ok(written) };
+            let low = self.digit()?.ok_or_else(|| invalid("the last byte has one digit".to_owned()))?;
+            *byte = high << 4 | low;
         }
-        self.cursor.set_position(position as u64);
-        Ok(written)
+        Ok(out.len())
     }
 }
 
 /// Decimal numbers, handed on as bytes of the stored type in native order.
 struct Text {
-    cursor: Cursor<Window>,
+    encoded: Lookahead,
     stored: StoredType,
+    /// Numbers read.
+    values: u64,
     pending: Vec<u8>,
     taken: usize,
 }
@@ -156,26 +144,31 @@ impl Text {
     /// Parses the next numbers.
     fn refill(&mut self) -> io::Result<()> {
         const VALUES: usize = 4096;
+        /// Characters of a number; the longest exact `f64` has about as many.
+        const LONGEST: usize = 1100;
         self.pending.clear();
         self.taken = 0;
-        let mut position = self.cursor.position() as usize;
-        let text = self.cursor.get_ref().as_ref();
         let separates = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',';
         for _ in 0..VALUES {
-            position += text[position..].iter().take_while(|byte| separates(byte)).count();
-            let length = text[position..].iter().take_while(|byte| !separates(byte)).count();
+            let text = loop {
+                let text = self.encoded.peek(LONGEST + 1)?;
+                let blanks = text.iter().take_while(|byte| separates(byte)).count();
+                if blanks == 0 {
+                    break text;
+                }
+                self.encoded.consume(blanks);
+            };
+            let length = text.iter().take_while(|byte| !separates(byte)).count();
             if length == 0 {
                 break;
             }
-            let word = &text[position..position + length];
-            position += length;
-            let parsed = str::from_utf8(word).ok().and_then(|word| push_number(&mut self.pending, self.stored, word));
-            parsed.ok_or_else(|| {
-                let shown = &word[..word.len().min(40)];
-                invalid(format!("'{}' is not a value of type {}", shown.escape_ascii(), self.stored))
-            })?;
+            self.values += 1;
+            let word = Some(&text[..length]).filter(|word| word.len() <= LONGEST);
+            let word = word.and_then(|word| str::from_utf8(word).ok());
+            word.and_then(|word| push_number(&mut self.pending, self.stored, word))
+                .ok_or_else(|| invalid(format!("value {} is none of type {}", self.values, self.stored)))?;
+            self.encoded.consume(length);
         }
-        self.cursor.set_position(position as u64);
         Ok(())
     }
 }

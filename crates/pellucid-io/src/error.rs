@@ -84,6 +84,26 @@ pub enum IoError {
         /// Bytes asked for.
         bytes: u64,
     },
+    /// The file would cost more than the reader may spend.
+    #[error("{}: {found}{} exceed limits.{setting}, {allowed}", path.display(), counted(setting))]
+    Limit {
+        /// The file.
+        path: PathBuf,
+        /// The field of [`Limits`](crate::Limits) that stops it.
+        setting: &'static str,
+        /// Bytes or files that it takes.
+        found: u64,
+        /// The most there may be.
+        allowed: u64,
+    },
+    /// A document names a file that it may not, see [`locate`](crate::locate).
+    #[error("{} is outside of '{}', the folder of the file that names it", path.display(), folder.display())]
+    Outside {
+        /// The file that is named.
+        path: PathBuf,
+        /// The folder that it would have to be in.
+        folder: PathBuf,
+    },
     /// The file describes an impossible grid or volume.
     #[error("{}: {source}", path.display())]
     Field {
@@ -124,6 +144,11 @@ impl IoError {
         move |source| Self::Field { path: path.to_owned(), source }
     }
 
+    /// Sizes whose product no machine can count.
+    pub(crate) fn too_large(path: &Path) -> Self {
+        Self::malformed(path, "sizes", "2^63 bytes or more", "fewer than 2^63 bytes of values")
+    }
+
     pub(crate) fn malformed(path: &Path, field: &str, found: impl ToString, expected: impl Into<String>) -> Self {
         Self::Malformed {
             path: path.to_owned(),
@@ -140,6 +165,15 @@ impl IoError {
         advice: impl Into<String>,
     ) -> Self {
         Self::Unsupported { path: path.to_owned(), what, found: shorten(&found.to_string()), advice: advice.into() }
+    }
+}
+
+/// What a limit counts.
+fn counted(setting: &str) -> &'static str {
+    match setting {
+        "files" => " files of values",
+        "text" => " bytes of text",
+        _ => " bytes, once decoded,",
     }
 }
 

@@ -1,27 +1,25 @@
-//! Reading text headers: lines, words, numbers, names of data files.
+//! Reading text headers: lines, words, numbers.
 
 use std::path::Path;
 use std::str::FromStr;
 
 use crate::IoError;
-use crate::payload::Parts;
 use crate::source::Source;
 
 /// The longest text header that is read; real ones have a few kilobytes.
-const LONGEST_HEADER: usize = 1 << 20;
-
-/// The longest series of numbered files; one file per slice needs some thousands.
-const MOST_FILES: i64 = 1 << 17;
+pub(crate) const LONGEST_HEADER: usize = 1 << 20;
 
 /// The lines of a text header. Ends of lines may be `\n` or `\r\n`.
 pub(crate) struct Lines<'a> {
-    source: &'a Source,
+    path: &'a Path,
+    /// The first [`LONGEST_HEADER`] bytes of the file, or all of them.
+    head: &'a [u8],
     position: usize,
 }
 
 impl<'a> Lines<'a> {
-    pub fn new(source: &'a Source) -> Self {
-        Self { source, position: 0 }
+    pub fn new(source: &'a Source, head: &'a [u8]) -> Self {
+        Self { path: &source.path, head, position: 0 }
     }
 
     /// Where the next line begins.
@@ -31,20 +29,20 @@ impl<'a> Lines<'a> {
 
     /// The next line without its end, or `None` at the end of the file.
     pub fn next_line(&mut self) -> Result<Option<String>, IoError> {
-        let bytes = self.source.bytes();
-        let rest = &bytes[self.position..bytes.len().min(LONGEST_HEADER)];
-        if rest.is_empty() && self.position == bytes.len() {
+        let rest = &self.head[self.position..];
+        let is_whole = self.head.len() < LONGEST_HEADER;
+        if rest.is_empty() && is_whole {
             return Ok(None);
         }
         let length = match rest.iter().position(|&byte| byte == b'\n') {
             Some(length) => length,
-            None if bytes.len() <= LONGEST_HEADER => rest.len(),
+            None if is_whole => rest.len(),
             None => {
                 let expected = format!("a header of at most {LONGEST_HEADER} bytes");
-                return Err(IoError::malformed(&self.source.path, "header", "longer", expected));
+                return Err(IoError::malformed(self.path, "header", "longer", expected));
             }
         };
-        self.position = (self.position + length + 1).min(bytes.len());
+        self.position = (self.position + length + 1).min(self.head.len());
         let line = &rest[..length];
         Ok(Some(String::from_utf8_lossy(line.strip_suffix(b"\r").unwrap_or(line)).into_owned()))
     }
@@ -89,37 +87,4 @@ impl<'a> Field<'a> {
     pub fn quoted(&self) -> Vec<&'a str> {
         self.text.split('"').skip(1).step_by(2).collect()
     }
-
-    /// The numbered data files of a pattern, `slice%03d.raw 1 100 1`; `None` if the field is not
-    /// of that form.
-    pub fn numbered_files(&self, source: &Source) -> Option<Result<Parts, IoError>> {
-        let words: Vec<_> = self.text.split_whitespace().collect();
-        // A name may hold spaces, so the numbers are counted from the end; there may be a fourth,
-        // the dimension of each file, which the sizes tell as well.
-        let percent = words.iter().position(|word| word.contains('%'))?;
-        let numbers: Option<Vec<i64>> = words[percent + 1..].iter().map(|word| word.parse().ok()).collect();
-        let numbers = numbers.filter(|numbers| (3..=4).contains(&numbers.len()))?;
-        let pattern = words[..=percent].join(" ");
-        let (first, last, step) = (numbers[0], numbers[1], numbers[2]);
-        let steps = last.checked_sub(first).and_then(|span| span.checked_div(step)).filter(|&steps| steps >= 0);
-        let Some(steps) = steps.filter(|&steps| steps < MOST_FILES) else {
-            return Some(Err(
-                self.error(format!("a range of at most {MOST_FILES} files with a step that leads through it"))
-            ));
-        };
-        let files: Option<Vec<_>> =
-            (0..=steps).map(|k| numbered(&pattern, first + k * step).map(|name| source.sibling(name))).collect();
-        Some(files.map(Parts::Files).ok_or_else(|| self.error("a name with one %d, such as slice%03d.raw")))
-    }
-}
-
-/// Replaces the one `%d`, `%5d` or `%05d` of a pattern, as `printf` would.
-fn numbered(pattern: &str, number: i64) -> Option<String> {
-    let (before, rest) = pattern.split_once('%')?;
-    let end = rest.find(|c: char| !c.is_ascii_digit())?;
-    let (width, rest) = rest.split_at(end);
-    let after = rest.strip_prefix(['d', 'i', 'u'])?;
-    let digits: usize = if width.is_empty() { 0 } else { width.parse().ok().filter(|&width| width <= 32)? };
-    let text = if width.starts_with('0') { format!("{number:0digits$}") } else { format!("{number:digits$}") };
-    (!after.contains('%')).then(|| format!("{before}{text}{after}"))
 }

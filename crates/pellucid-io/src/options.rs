@@ -4,7 +4,7 @@ use std::path::Path;
 
 use pellucid_field::{Volume, Warning};
 
-use crate::RawLayout;
+use crate::{Limits, Mapping, RawLayout};
 
 /// A family of volume files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -52,6 +52,12 @@ pub struct ReadOptions {
     pub time: usize,
     /// Read the file as headerless values of this layout, whatever it looks like.
     pub raw: Option<RawLayout>,
+    /// Whether a header may name data files outside of its own folder, see [`locate`](crate::locate).
+    pub outside: bool,
+    /// What the file may cost.
+    pub limits: Limits,
+    /// Leave to map plain data in native order into memory; without it they are read.
+    pub map: Option<Mapping>,
 }
 
 /// How to write a volume.

@@ -3,14 +3,16 @@
 use std::path::PathBuf;
 
 use crate::encoding::Encoding;
+use crate::file_names::FileNames;
 use crate::source::Source;
-use crate::{Endian, IoError, StoredType};
+use crate::{Endian, IoError, Limits, StoredType};
 
 /// The files that hold the values, in order; all hold equally many.
 pub(crate) enum Parts {
     /// The rest of the header's own file, from this byte on.
     Attached(Source, u64),
-    Files(Vec<PathBuf>),
+    /// Files beside the header.
+    Files(FileNames),
 }
 
 /// What comes before the values in each file.
@@ -52,10 +54,10 @@ impl Payload {
         self.count * self.stored.size() as u64
     }
 
-    fn part_count(&self) -> u64 {
+    pub fn part_count(&self) -> u64 {
         match &self.parts {
             Parts::Attached(..) => 1,
-            Parts::Files(files) => files.len() as u64,
+            Parts::Files(files) => files.count(),
         }
     }
 
@@ -69,15 +71,16 @@ impl Payload {
         self.stored.size() > 1 && self.encoding != Encoding::Text && self.endian != Endian::NATIVE
     }
 
-    /// Rules out numbers that later arithmetic would overflow on, and files that cannot share the
-    /// values equally.
-    pub fn check(&self) -> Result<(), IoError> {
+    /// Rules out numbers that later arithmetic would overflow on, and files that are too many or cannot share
+    /// the values equally.
+    pub fn check(&self, limits: &Limits) -> Result<(), IoError> {
         let values = self.count.checked_mul(self.frames);
         let bytes = values.and_then(|values| values.checked_mul(self.stored.size() as u64));
-        let Some(bytes) = bytes.filter(|&bytes| usize::try_from(bytes).is_ok()) else {
-            return Err(IoError::Memory { path: self.header.clone(), bytes: u64::MAX });
+        let Some(bytes) = bytes.filter(|&bytes| isize::try_from(bytes).is_ok()) else {
+            return Err(IoError::too_large(&self.header));
         };
         let parts = self.part_count();
+        limits.check_files(&self.header, parts)?;
         if parts == 0 || !(bytes / self.stored.size() as u64).is_multiple_of(parts) {
             let expected = "so many that each holds equally many values";
             return Err(IoError::malformed(&self.header, "number of data files", parts, expected));

@@ -44,7 +44,7 @@ pub(crate) fn describe(source: &Source, layout: &RawLayout) -> Result<Descriptio
     let count = voxels.and_then(|voxels| voxels.checked_mul(layout.components as u64));
     let size = layout.stored.size() as u64;
     let expected = count.and_then(|count| count.checked_mul(size)).filter(|&bytes| bytes > 0);
-    let found = source.bytes().len() as u64;
+    let found = source.length;
     let fits = match (expected, layout.skip) {
         (Some(expected), None) => found == expected,
         (Some(expected), Some(skip)) => skip.checked_add(expected).is_some_and(|end| end <= found),

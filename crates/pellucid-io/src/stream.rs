@@ -1,77 +1,110 @@
 //! The bytes of a volume's values, decoded in order across its files.
 
-use std::io::{self, Read};
+use std::collections::HashSet;
+use std::io::{self, BufRead, Read};
+use std::path::{Path, PathBuf};
 
 use pellucid_field::{Buffer, Voxel, Warning};
 
-use crate::IoError;
-use crate::encoding::{Encoding, Window};
+use crate::encoding::Encoding;
 use crate::payload::{Parts, Payload, Skip};
 use crate::source::Source;
+use crate::{IoError, Limits, ReadOptions, locate};
+
+/// What has been agreed to read of the files so far.
+#[derive(Default)]
+struct Account {
+    /// Files, which a header may name several times.
+    seen: HashSet<PathBuf>,
+    stored: u64,
+    decoded: u64,
+}
+
+impl Account {
+    /// Refuses what all files together must not decode to.
+    fn add(&mut self, source: &Source, decoded: u64, limits: &Limits) -> Result<(), IoError> {
+        if self.seen.insert(source.path.canonicalize().unwrap_or_else(|_| source.path.clone())) {
+            self.stored = self.stored.saturating_add(source.length);
+        }
+        self.decoded = self.decoded.saturating_add(decoded);
+        limits.check_bytes(&source.path, self.decoded, self.stored)
+    }
+}
 
 /// One file of values, opened at the first wanted one.
-pub(crate) struct Part {
-    pub source: Source,
+struct Part {
+    source: Source,
     /// Where its encoded values begin.
-    pub start: usize,
+    start: u64,
     /// Decoded bytes still to come.
-    pub left: u64,
+    left: u64,
     reader: Box<dyn Read>,
     encoding: Encoding,
     /// Whether the size of the file has been shown to allow for its values.
     bounded: bool,
 }
 
-impl Part {
-    /// Opens file `index` of a payload and leaves out its first `inner` bytes of values. Fails
-    /// before anything is decoded if the file is too short for its values.
-    pub fn open(payload: &Payload, index: usize, inner: u64, warnings: &mut Vec<Warning>) -> Result<Self, IoError> {
+impl<'a> Stream<'a> {
+    /// Opens the next file and leaves out its first `inner` bytes of values. Fails before anything is decoded if the
+    /// file is too short for its values, or they are more than the limits allow.
+    fn open(&mut self) -> Result<Part, IoError> {
+        let (payload, inner) = (self.payload, std::mem::take(&mut self.inner));
         let (source, offset) = match &payload.parts {
             Parts::Attached(source, offset) => (source.clone(), *offset),
-            Parts::Files(files) => (Source::open(&files[index])?, 0),
+            Parts::Files(files) => {
+                let folder = payload.header.parent().unwrap_or(Path::new(""));
+                let path = locate(folder, files.get(self.next), self.options.outside)?;
+                (Source::open(&path, self.options)?, 0)
+            }
         };
+        self.next += 1;
+        let failed = |error| IoError::io(&source.path)(error);
         let (encoding, needed) = (payload.encoding, payload.part_bytes());
-        let length = source.bytes().len() as u64;
         let truncated = |found, expected| truncated(&source, found, expected);
-        let mut start = offset.min(length);
+        let mut start = offset.min(source.length);
         // Decoded bytes in front of the wanted values.
         let mut prefix = 0;
         match payload.skip {
-            Skip::FromEnd => start = length.checked_sub(needed).ok_or_else(|| truncated(length, needed))?,
+            Skip::FromEnd => {
+                start = source.length.checked_sub(needed).ok_or_else(|| truncated(source.length, needed))?;
+            }
             Skip::Forward { lines, bytes } => {
-                for _ in 0..lines {
-                    let rest = &source.bytes()[start as usize..];
-                    let line = rest.iter().position(|&byte| byte == b'\n').ok_or_else(|| truncated(0, needed))?;
-                    start += line as u64 + 1;
+                if lines > 0 {
+                    let skipped = skip_lines(source.reader(start)?, lines).map_err(failed)?;
+                    start = (start + skipped.ok_or_else(|| truncated(0, needed))?).min(source.length);
                 }
                 if encoding.is_compressed() {
                     prefix = bytes;
                 } else {
-                    start = start.saturating_add(bytes).min(length);
+                    start = start.saturating_add(bytes).min(source.length);
                 }
             }
         }
-        let most = encoding.most(length - start, payload.stored);
+        let most = encoding.most(source.length - start, payload.stored);
         if let Some(most) = most.filter(|&most| most < needed.saturating_add(prefix)) {
             return Err(truncated(most, needed.saturating_add(prefix)));
         }
         if encoding == Encoding::Raw {
-            let trailing = length - start - needed;
+            let trailing = source.length - start - needed;
             if trailing > 0 {
                 let name = source.path.display();
-                warnings.push(Warning::File(format!("{name}: {trailing} bytes after the values are ignored")));
+                self.warnings.push(Warning::File(format!("{name}: {trailing} bytes after the values are ignored")));
             }
             start += inner;
         } else {
             prefix = prefix.saturating_add(inner);
         }
-        let start = start as usize;
-        let reader = encoding.reader(Window::from(source.shared(), start), payload.stored);
-        let mut part = Self { source, start, left: needed - inner, reader, encoding, bounded: most.is_some() };
+        let wanted = self.left.min(needed - inner);
+        self.account.add(&source, prefix.saturating_add(wanted), &self.options.limits)?;
+        let reader = encoding.reader(source.reader(start)?, payload.stored).map_err(failed)?;
+        let left = needed - inner;
+        let mut part = Part { source, start, left, reader, encoding, bounded: most.is_some() };
         part.discard(prefix)?;
         Ok(part)
     }
+}
 
+impl Part {
     /// Reads until `out` is full or the file ends; the number of bytes read.
     fn read(&mut self, out: &mut [u8]) -> Result<usize, IoError> {
         let mut done = 0;
@@ -81,7 +114,7 @@ impl Part {
                 Ok(n) => done += n,
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => break,
-                Err(error) => return Err(self.damaged(error.to_string())),
+                Err(error) => return Err(self.failed(error)),
             }
         }
         Ok(done)
@@ -111,34 +144,41 @@ impl Part {
                 warnings.push(Warning::File(format!("{name}: more values than the header needs are ignored")));
                 Ok(())
             }
-            Err(error) => Err(self.damaged(error.to_string())),
+            Err(error) => Err(self.failed(error)),
         }
     }
 
-    fn damaged(&self, reason: String) -> IoError {
-        IoError::Damaged { path: self.source.path.clone(), encoding: self.encoding.name(), reason }
+    /// What the system says, or the decoder.
+    fn failed(&self, error: io::Error) -> IoError {
+        let path = self.source.path.clone();
+        match error.raw_os_error() {
+            Some(_) => IoError::Io { path, source: error },
+            None => IoError::Damaged { path, encoding: self.encoding.name(), reason: error.to_string() },
+        }
     }
 }
 
 /// The wanted bytes of a payload, in the order they are stored.
 pub(crate) struct Stream<'a> {
     payload: &'a Payload,
-    next: usize,
+    options: &'a ReadOptions,
+    next: u64,
     /// Bytes to leave out of the next file.
     inner: u64,
     part: Option<Part>,
     /// Bytes of the whole stream still to come.
     left: u64,
+    account: Account,
     warnings: &'a mut Vec<Warning>,
 }
 
 impl<'a> Stream<'a> {
     /// The wanted time point of a payload.
-    pub fn new(payload: &'a Payload, warnings: &'a mut Vec<Warning>) -> Self {
+    pub fn new(payload: &'a Payload, options: &'a ReadOptions, warnings: &'a mut Vec<Warning>) -> Self {
         let first = payload.frame * payload.frame_bytes();
-        let next = (first / payload.part_bytes()) as usize;
-        let inner = first % payload.part_bytes();
-        Self { payload, next, inner, part: None, left: payload.frame_bytes(), warnings }
+        let (next, inner) = (first / payload.part_bytes(), first % payload.part_bytes());
+        let (left, account) = (payload.frame_bytes(), Account::default());
+        Self { payload, options, next, inner, part: None, left, account, warnings }
     }
 
     /// The values as a view of their file, if they lie there as they are in memory: plain, in
@@ -153,7 +193,8 @@ impl<'a> Stream<'a> {
         if part.left < left {
             return Ok(None);
         }
-        Ok(Buffer::from_bytes(part.source.shared(), part.start, payload.count as usize))
+        let Some(bytes) = part.source.shared() else { return Ok(None) };
+        Ok(Buffer::from_bytes(bytes, part.start as usize, payload.count as usize))
     }
 
     /// How many bytes may be allocated now because the files seen so far vouch for them.
@@ -192,15 +233,22 @@ impl<'a> Stream<'a> {
     fn part(&mut self) -> Result<&mut Part, IoError> {
         let part = match self.part.take() {
             Some(part) => part,
-            None => {
-                let part = Part::open(self.payload, self.next, self.inner, self.warnings)?;
-                self.next += 1;
-                self.inner = 0;
-                part
-            }
+            None => self.open()?,
         };
         Ok(self.part.insert(part))
     }
+}
+
+/// Bytes of so many lines; `None` if there are fewer.
+fn skip_lines(mut reader: impl BufRead, lines: u64) -> io::Result<Option<u64>> {
+    let mut skipped = 0;
+    for _ in 0..lines {
+        match reader.skip_until(b'\n')? {
+            0 => return Ok(None),
+            line => skipped += line as u64,
+        }
+    }
+    Ok(Some(skipped))
 }
 
 fn truncated(source: &Source, found: u64, expected: u64) -> IoError {

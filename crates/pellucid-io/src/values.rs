@@ -6,34 +6,34 @@ use pellucid_field::{Voxel, VoxelType, Voxels, Warning, memory};
 
 use crate::payload::Payload;
 use crate::stream::Stream;
-use crate::{IoError, StoredType};
+use crate::{IoError, ReadOptions, StoredType};
 
 /// Bytes decoded at a time; memory is touched only as data arrive.
 const STEP: usize = 1 << 22;
 
 /// The voxels of a payload, and a warning if they had to change type.
-pub(crate) fn voxels(payload: &Payload, warnings: &mut Vec<Warning>) -> Result<Voxels, IoError> {
-    payload.check()?;
+pub(crate) fn voxels(payload: &Payload, options: &ReadOptions, warnings: &mut Vec<Warning>) -> Result<Voxels, IoError> {
+    payload.check(&options.limits)?;
     match payload.stored {
-        StoredType::Voxel(VoxelType::U8) => kept::<u8>(payload, warnings),
-        StoredType::Voxel(VoxelType::I8) => kept::<i8>(payload, warnings),
-        StoredType::Voxel(VoxelType::U16) => kept::<u16>(payload, warnings),
-        StoredType::Voxel(VoxelType::I16) => kept::<i16>(payload, warnings),
-        StoredType::Voxel(VoxelType::U32) => kept::<u32>(payload, warnings),
-        StoredType::Voxel(VoxelType::I32) => kept::<i32>(payload, warnings),
-        StoredType::Voxel(VoxelType::F16) => kept::<f16>(payload, warnings),
-        StoredType::Voxel(VoxelType::F32) => kept::<f32>(payload, warnings),
-        StoredType::F64 => single_precision(payload, warnings),
-        StoredType::I64 => narrowed_integers(payload, |bytes| i64::from_ne_bytes(bytes).into(), warnings),
-        StoredType::U64 => narrowed_integers(payload, |bytes| u64::from_ne_bytes(bytes).into(), warnings),
+        StoredType::Voxel(VoxelType::U8) => kept::<u8>(payload, options, warnings),
+        StoredType::Voxel(VoxelType::I8) => kept::<i8>(payload, options, warnings),
+        StoredType::Voxel(VoxelType::U16) => kept::<u16>(payload, options, warnings),
+        StoredType::Voxel(VoxelType::I16) => kept::<i16>(payload, options, warnings),
+        StoredType::Voxel(VoxelType::U32) => kept::<u32>(payload, options, warnings),
+        StoredType::Voxel(VoxelType::I32) => kept::<i32>(payload, options, warnings),
+        StoredType::Voxel(VoxelType::F16) => kept::<f16>(payload, options, warnings),
+        StoredType::Voxel(VoxelType::F32) => kept::<f32>(payload, options, warnings),
+        StoredType::F64 => single_precision(payload, options, warnings),
+        StoredType::I64 => narrowed_integers(payload, options, |bytes| i64::from_ne_bytes(bytes).into(), warnings),
+        StoredType::U64 => narrowed_integers(payload, options, |bytes| u64::from_ne_bytes(bytes).into(), warnings),
     }
 }
 
 /// Values of a type that voxels have: mapped where possible, else decoded straight into their
 /// final memory, which grows no faster than the files vouch for.
-fn kept<T: Voxel>(payload: &Payload, warnings: &mut Vec<Warning>) -> Result<Voxels, IoError> {
+fn kept<T: Voxel>(payload: &Payload, options: &ReadOptions, warnings: &mut Vec<Warning>) -> Result<Voxels, IoError> {
     let count = payload.count as usize;
-    let mut stream = Stream::new(payload, warnings);
+    let mut stream = Stream::new(payload, options, warnings);
     if let Some(buffer) = stream.map::<T>()? {
         return Ok(T::wrap(buffer));
     }
@@ -57,8 +57,8 @@ fn kept<T: Voxel>(payload: &Payload, warnings: &mut Vec<Warning>) -> Result<Voxe
 }
 
 /// Doubles as singles.
-fn single_precision(payload: &Payload, warnings: &mut Vec<Warning>) -> Result<Voxels, IoError> {
-    narrowed(payload, warnings, |bytes| {
+fn single_precision(payload: &Payload, options: &ReadOptions, warnings: &mut Vec<Warning>) -> Result<Voxels, IoError> {
+    narrowed(payload, options, warnings, |bytes| {
         let value = f64::from_ne_bytes(bytes);
         let kept = value as f32;
         (kept, if value.is_finite() { (value - f64::from(kept)).abs() } else { 0.0 })
@@ -69,11 +69,12 @@ fn single_precision(payload: &Payload, warnings: &mut Vec<Warning>) -> Result<Vo
 /// for their range, so that they never lie in memory at full width.
 fn narrowed_integers(
     payload: &Payload,
+    options: &ReadOptions,
     integer: fn([u8; 8]) -> i128,
     warnings: &mut Vec<Warning>,
 ) -> Result<Voxels, IoError> {
     let (mut low, mut high) = (i128::MAX, i128::MIN);
-    for_each_chunk(payload, &mut Vec::new(), |chunk| {
+    for_each_chunk(payload, options, &mut Vec::new(), |chunk| {
         for &bytes in chunk {
             low = low.min(integer(bytes));
             high = high.max(integer(bytes));
@@ -81,11 +82,11 @@ fn narrowed_integers(
         Ok(())
     })?;
     if low >= i32::MIN.into() && high <= i32::MAX.into() {
-        narrowed(payload, warnings, |bytes| (integer(bytes) as i32, 0.0))
+        narrowed(payload, options, warnings, |bytes| (integer(bytes) as i32, 0.0))
     } else if low >= 0 && high <= u32::MAX.into() {
-        narrowed(payload, warnings, |bytes| (integer(bytes) as u32, 0.0))
+        narrowed(payload, options, warnings, |bytes| (integer(bytes) as u32, 0.0))
     } else {
-        narrowed(payload, warnings, |bytes| {
+        narrowed(payload, options, warnings, |bytes| {
             let value = integer(bytes);
             let kept = value as f32;
             (kept, (value - kept as i128).abs() as f64)
@@ -96,12 +97,13 @@ fn narrowed_integers(
 /// 64-bit values in a smaller type; `narrow` tells the new value and how far it is off.
 fn narrowed<T: Voxel>(
     payload: &Payload,
+    options: &ReadOptions,
     warnings: &mut Vec<Warning>,
     narrow: impl Fn([u8; 8]) -> (T, f64),
 ) -> Result<Voxels, IoError> {
     let mut values: Vec<T> = Vec::new();
     let mut largest_error = 0f64;
-    for_each_chunk(payload, warnings, |chunk| {
+    for_each_chunk(payload, options, warnings, |chunk| {
         if values.capacity() - values.len() < chunk.len() {
             // As much again, as vectors grow by themselves.
             let more = values.len().max(chunk.len());
@@ -121,11 +123,12 @@ fn narrowed<T: Voxel>(
 /// Decodes 64-bit values, a few thousand at a time, in native order.
 fn for_each_chunk(
     payload: &Payload,
+    options: &ReadOptions,
     warnings: &mut Vec<Warning>,
     mut visit: impl FnMut(&[[u8; 8]]) -> Result<(), IoError>,
 ) -> Result<(), IoError> {
     let mut buffer = vec![[0; 8]; 1 << 13];
-    let mut stream = Stream::new(payload, warnings);
+    let mut stream = Stream::new(payload, options, warnings);
     loop {
         let bytes: &mut [u8] = cast_slice_mut(&mut buffer);
         let n = stream.fill(bytes)?;

@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::DAffine3;
 use pellucid_field::{FieldError, Grid, ValueMap, Volume, Warning};
 
+use crate::header::LONGEST_HEADER;
 use crate::options::{is_gzip_name, plain_extension};
 use crate::payload::Payload;
 use crate::source::Source;
@@ -24,8 +25,7 @@ pub(crate) struct Description {
 }
 
 /// Reads a volume, in the format its content shows (or the extension, where the content is not
-/// distinctive). Plain data stay in the file and are mapped into memory: the file must not be
-/// changed in place while the volume lives.
+/// distinctive).
 ///
 /// # Errors
 /// [`IoError`] of every kind but those of pictures.
@@ -36,7 +36,7 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, IoE
         "img" if options.raw.is_none() => nifti::header_of_image(path),
         _ => path.to_owned(),
     };
-    load(&Source::open(&header)?, options)
+    load(&Source::open(&header, options)?, options)
 }
 
 /// Reads a volume from bytes in memory as if they were the content of the file `name`, whose
@@ -67,12 +67,15 @@ pub fn write(path: impl AsRef<Path>, volume: &Volume, options: &WriteOptions) ->
 fn load(source: &Source, options: &ReadOptions) -> Result<Loaded, IoError> {
     let description = match &options.raw {
         Some(layout) => raw::describe(source, layout)?,
-        None => match recognise(source)? {
-            Format::Nrrd => nrrd::describe(source, options)?,
-            Format::MetaImage => metaimage::describe(source, options)?,
-            Format::Nifti => nifti::describe(source, options)?,
-            Format::Raw => return Err(unknown(&source.path, "state dims and type to read it as raw values")),
-        },
+        None => {
+            let head = source.head(LONGEST_HEADER)?;
+            match recognise(source, &head)? {
+                Format::Nrrd => nrrd::describe(source, &head, options)?,
+                Format::MetaImage => metaimage::describe(source, &head, options)?,
+                Format::Nifti => nifti::describe(source, &head, options)?,
+                Format::Raw => return Err(unknown(&source.path, "state dims and type to read it as raw values")),
+            }
+        }
     };
     let path = &source.path;
     let Description { mut warnings, payload, value_map, .. } = description;
@@ -81,7 +84,7 @@ fn load(source: &Source, options: &ReadOptions) -> Result<Loaded, IoError> {
     if !(1..=4).contains(&components) {
         return Err(IoError::field(path)(FieldError::Components { found: components }));
     }
-    let voxels = values::voxels(&payload, &mut warnings)?;
+    let voxels = values::voxels(&payload, options, &mut warnings)?;
     for warning in &mut warnings {
         // Readers of values know stored numbers; users see data values.
         if let Warning::Converted { largest_error, .. } = warning {
@@ -104,15 +107,14 @@ fn load(source: &Source, options: &ReadOptions) -> Result<Loaded, IoError> {
 }
 
 /// The format a file shows by its content or its extension.
-fn recognise(source: &Source) -> Result<Format, IoError> {
-    let bytes = source.bytes();
-    if bytes.starts_with(b"NRRD") {
+fn recognise(source: &Source, head: &[u8]) -> Result<Format, IoError> {
+    if head.starts_with(b"NRRD") {
         return Ok(Format::Nrrd);
     }
-    if nifti::is_nifti(source) {
+    if nifti::is_nifti(head) {
         return Ok(Format::Nifti);
     }
-    if metaimage::is_metaimage(bytes) {
+    if metaimage::is_metaimage(head) {
         return Ok(Format::MetaImage);
     }
     Format::from_extension(&source.path)

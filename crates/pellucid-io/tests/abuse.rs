@@ -2,7 +2,8 @@
 
 mod common;
 
-use common::seeds::{Random, mutate, seeds};
+use common::mutate::{Random, Seed, mutate};
+use common::seeds::seeds;
 use common::{gzip, load, message};
 use pellucid_io::{IoError, ReadOptions, read, read_bytes};
 use proptest::prelude::*;
@@ -49,11 +50,11 @@ proptest! {
     }
 }
 
-fn seeds_once(folder: &std::path::Path) -> std::rc::Rc<Vec<common::seeds::Seed>> {
+fn seeds_once(folder: &std::path::Path) -> std::rc::Rc<Vec<Seed>> {
     use std::cell::OnceCell;
     use std::rc::Rc;
     thread_local! {
-        static SEEDS: OnceCell<Rc<Vec<common::seeds::Seed>>> = const { OnceCell::new() };
+        static SEEDS: OnceCell<Rc<Vec<Seed>>> = const { OnceCell::new() };
     }
     SEEDS.with(|cell| Rc::clone(cell.get_or_init(|| Rc::new(seeds(folder)))))
 }
@@ -86,11 +87,4 @@ fn odd_files_are_errors_of_their_own_kind() {
     assert!(error(".").contains("regular file") || error(".").contains("directory"));
     let long = [b"NRRD0004\n# ".as_slice(), &vec![b'x'; 2 << 20]].concat();
     assert!(message(load("a.nrrd", long)).contains("at most 1048576 bytes"));
-    // A path that climbs out of its folder is the user's own affair.
-    let inner = folder.path().join("inner");
-    std::fs::create_dir(&inner).unwrap();
-    std::fs::write(folder.path().join("up.raw"), [1, 2]).unwrap();
-    let header = "NRRD0004\ntype: uint8\ndimension: 1\nsizes: 2\nencoding: raw\ndata file: ../up.raw\n";
-    std::fs::write(inner.join("a.nhdr"), header).unwrap();
-    assert_eq!(common::stored(&read(inner.join("a.nhdr"), &ReadOptions::default()).unwrap().volume), [1.0, 2.0]);
 }

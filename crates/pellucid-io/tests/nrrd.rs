@@ -218,7 +218,7 @@ fn detached_data_are_found_in_every_way_of_naming_them() {
     assert!(fails("encoding: raw\ndata file: absent.raw\n").contains("absent.raw"));
     assert!(fails("encoding: raw\ndata file: LIST\n").contains("number of data files' is '0'"));
     assert!(fails("encoding: raw\ndata file: slice%03d.raw 7 9 1\n").contains("number of data files' is '3'"));
-    assert!(fails("encoding: raw\ndata file: z%d.raw 0 999999999999 1\n").contains("data file"));
+    assert!(fails("encoding: raw\ndata file: z%d.raw 0 999999999999 1\n").contains("limits.files"));
     assert!(fails("encoding: raw\n").contains("'data file' is missing"));
     let short = fails("encoding: raw\ndata file: slice007.raw\n");
     assert!(short.contains("slice007.raw") && short.contains("4 bytes") && short.contains("expected 8"), "{short}");

@@ -5,7 +5,7 @@ mod common;
 use common::{affine_error, dyadic, extremes, oblique, stored};
 use glam::{DAffine3, DMat3, DVec3};
 use pellucid_field::{Grid, ValueMap, Volume, VoxelType, Warning};
-use pellucid_io::{IoError, RawLayout, ReadOptions, WriteOptions, read, write};
+use pellucid_io::{IoError, Mapping, RawLayout, ReadOptions, WriteOptions, read, write};
 use proptest::prelude::*;
 
 const NAMES: [&str; 6] = ["v.nrrd", "v.nhdr", "v.mha", "v.mhd", "v.nii", "v.nii.gz"];
@@ -123,12 +123,26 @@ fn an_unknown_extension_is_refused() {
     assert!(error.contains(".xyz") && error.contains(".nrrd"), "{error}");
 }
 
-/// Plain files are mapped, not copied: their values lie inside a mapping of that very file.
+/// Whether a volume's values lie inside a mapping of a file in the folder.
+#[cfg(target_os = "linux")]
+fn is_mapped(volume: &Volume, folder: &std::path::Path) -> bool {
+    let address = volume.voxels().as_bytes().as_ptr() as usize;
+    let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
+    maps.lines().filter(|line| line.contains(folder.to_str().unwrap())).any(|line| {
+        let (low, high) = line.split_once(' ').unwrap().0.split_once('-').unwrap();
+        let bound = |text| usize::from_str_radix(text, 16).unwrap();
+        (bound(low)..bound(high)).contains(&address)
+    })
+}
+
+/// Plain files are mapped, not copied, where the caller vouches for them, and otherwise never.
 #[cfg(target_os = "linux")]
 #[test]
-fn plain_native_files_are_mapped() {
+fn plain_native_files_are_mapped_by_leave() {
     let folder = tempfile::tempdir().unwrap();
     let volume = Volume::new(oblique([7, 5, 3]), vec![1.5f32; 105]).unwrap();
+    // SAFETY: nobody else knows of the files.
+    let mapping = ReadOptions { map: Some(unsafe { Mapping::new() }), ..ReadOptions::default() };
     for (name, compression, mapped) in [
         ("v.nrrd", None, true),
         ("v.nhdr", None, true),
@@ -140,15 +154,11 @@ fn plain_native_files_are_mapped() {
     ] {
         let path = folder.path().join(name);
         write(&path, &volume, &options(compression)).unwrap();
-        let loaded = read(&path, &ReadOptions::default()).unwrap();
-        let address = loaded.volume.voxels().as_bytes().as_ptr() as usize;
-        let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
-        let inside = maps.lines().filter(|line| line.contains(folder.path().to_str().unwrap())).any(|line| {
-            let (low, high) = line.split_once(' ').unwrap().0.split_once('-').unwrap();
-            let bound = |text| usize::from_str_radix(text, 16).unwrap();
-            (bound(low)..bound(high)).contains(&address)
-        });
-        assert_eq!(inside, mapped, "{name}, {compression:?}");
+        let loaded = read(&path, &mapping).unwrap();
+        assert_eq!(is_mapped(&loaded.volume, folder.path()), mapped, "{name}, {compression:?}");
+        let again = read(&path, &ReadOptions::default()).unwrap();
+        assert!(!is_mapped(&again.volume, folder.path()), "{name}, {compression:?}");
+        assert_eq!(again.volume.voxels().as_bytes(), loaded.volume.voxels().as_bytes());
     }
 }
 

@@ -62,7 +62,9 @@ pub use opacity::{
 };
 pub use opacity_shapes::{opacity_shape, opacity_shape_names};
 pub use perturbation::{Displacement, Octave, Perturbation, PropertyNoise};
-pub use phase::{BackLobe, MOST_ANISOTROPY, Phase, PhaseEntries, PhaseNormalization, PhaseTable, TableAngles, turned};
+pub use phase::{
+    BackLobe, MOST_ANISOTROPY, Phase, PhaseEntries, PhaseNormalization, PhaseTable, PhaseTextError, TableAngles, turned,
+};
 pub use preintegration::PreIntegration;
 pub use presets::{Modality, Preset, Scale};
 pub use reflection::Reflection;

@@ -20,6 +20,7 @@ mod control;
 mod document;
 mod empty;
 mod encode;
+mod files;
 mod frame;
 mod framing;
 pub mod half_angle;

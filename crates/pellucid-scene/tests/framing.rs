@@ -218,7 +218,7 @@ fn a_hot_voxel_is_not_framed() {
             }
         };
         let volume = Volume::new(*distances.grid(), (0..N * N * N).map(value).collect::<Vec<_>>()).unwrap();
-        let mut scene = Scene::of(Source::Memory);
+        let mut scene = Scene::of(Source::memory());
         scene.camera.projection = parallel();
         view(&scene, &Arc::new(volume)).half_height
     };

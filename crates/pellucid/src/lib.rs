@@ -55,7 +55,7 @@ mod save;
 struct Readme;
 
 pub use effect::{WithoutEffect, without_effect};
-pub use load::{LoadError, load, load_optics};
+pub use load::{LoadError, LoadOptions, load, load_optics, load_optics_with, load_with};
 pub use pellucid_cpu::{CpuRenderer, InstructionSet};
 pub use progressive::{Picture, Progressive, Step};
 pub use renderer::{Backend, RenderError, Renderer};

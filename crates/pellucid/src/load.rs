@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use pellucid_field::closed_form::ScalarField;
 use pellucid_field::{FieldError, Grid, Volume, VoxelType, Warning, closed_form, memory, nearest};
-use pellucid_io::{Endian, IoError, RawLayout, ReadOptions, Transfer};
+use pellucid_io::{Endian, IoError, Limits, RawLayout, ReadOptions, Transfer, locate, read_picture};
 use pellucid_model::{Clouds, HeightField, HeightMap, Ramp, Spectral};
 use pellucid_optics::{Environment, OpticsError, SkyMap, SkySource, srgb_decode};
 use pellucid_scene::{HeightFieldSource, HeightSource, Held, ModelSource, SampleSource, Scene, Source, Technique};
@@ -53,14 +53,6 @@ pub enum LoadError {
         /// What is wrong with it.
         error: OpticsError,
     },
-    /// A file that is no text.
-    #[error("cannot read {}: {source}", path.display())]
-    Text {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
     /// A line of a file cannot be used.
     #[error("{}, line {line}: {problem}", path.display())]
     Line {
@@ -84,13 +76,54 @@ fn pointer(found: &str) -> String {
     nearest(found, closed_form::names()).map_or_else(String::new, |name| format!(" (did you mean {name}?)"))
 }
 
+/// What a scene may name, and what that may cost.
+///
+/// A scene is a document that may come from anywhere. By default it names files in its own folder and below, see
+/// [`locate`](pellucid_io::locate), and so do the headers of volumes in theirs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadOptions {
+    /// Whether the scene may name files anywhere.
+    pub outside: bool,
+    /// Names in the scene that are not the document's but the caller's own: they may lie anywhere.
+    pub trusted: Vec<PathBuf>,
+    /// How files of volumes are read; the limits are those of pictures and tables, too.
+    pub read: ReadOptions,
+}
+
+/// The folder of a scene.
+struct Folder<'a> {
+    path: &'a Path,
+    options: &'a LoadOptions,
+}
+
+impl Folder<'_> {
+    /// The file that the scene means by a name.
+    fn locate(&self, name: &Path) -> Result<PathBuf, IoError> {
+        let outside = self.options.outside || self.options.trusted.iter().any(|trusted| trusted == name);
+        locate(self.path, name, outside)
+    }
+}
+
 /// Loads the volumes of a scene, one per entry, in order. Relative paths start at `base`, usually
-/// the folder of the scene's file. The warnings tell what was converted, guessed or ignored, and
-/// how many values are absent.
+/// the folder of the scene's file, which the scene must not leave ([`load_with`] lets it). The warnings tell
+/// what was converted, guessed or ignored, and how many values are absent.
 ///
 /// # Errors
 /// [`LoadError`] for the first volume that cannot be had.
 pub fn load(scene: &Scene, base: impl AsRef<Path>) -> Result<(Vec<Arc<Volume>>, Vec<Warning>), LoadError> {
+    load_with(scene, base, &LoadOptions::default())
+}
+
+/// Loads the volumes of a scene, as [`load`] does, with other limits.
+///
+/// # Errors
+/// [`LoadError`] for the first volume that cannot be had.
+pub fn load_with(
+    scene: &Scene,
+    base: impl AsRef<Path>,
+    options: &LoadOptions,
+) -> Result<(Vec<Arc<Volume>>, Vec<Warning>), LoadError> {
+    let folder = Folder { path: base.as_ref(), options };
     // What cannot be had is known before any file is read.
     for (k, entry) in scene.volumes.iter().enumerate() {
         match &entry.source {
@@ -103,7 +136,7 @@ pub fn load(scene: &Scene, base: impl AsRef<Path>) -> Result<(Vec<Arc<Volume>>, 
     let mut volumes = Vec::with_capacity(scene.volumes.len());
     for (k, entry) in scene.volumes.iter().enumerate() {
         let volume = match &entry.source {
-            Source::File(path) => read(&base.as_ref().join(path), &ReadOptions::default(), &mut warnings)?,
+            Source::File(path) => read(&folder.locate(path)?, &options.read, &mut warnings)?,
             Source::Raw { path, dims, voxel_type, components, skip, big_endian } => {
                 let layout = RawLayout {
                     components: *components,
@@ -112,11 +145,11 @@ pub fn load(scene: &Scene, base: impl AsRef<Path>) -> Result<(Vec<Arc<Volume>>, 
                     skip: Some(*skip).filter(|skip| *skip > 0),
                     ..RawLayout::new(*dims, *voxel_type)
                 };
-                let options = ReadOptions { raw: Some(layout), ..ReadOptions::default() };
-                read(&base.as_ref().join(path), &options, &mut warnings)?
+                let options = ReadOptions { raw: Some(layout), ..options.read.clone() };
+                read(&folder.locate(path)?, &options, &mut warnings)?
             }
             Source::Sample(sample) => sampled(k, sample)?,
-            Source::Model(model) => modelled(k, model, base.as_ref())?,
+            Source::Model(model) => modelled(k, model, &folder)?,
             Source::Memory(Held(None)) => return Err(LoadError::Absent { volume: k }),
             Source::Memory(Held(Some(volume))) => {
                 volumes.push(volume.clone());
@@ -129,33 +162,42 @@ pub fn load(scene: &Scene, base: impl AsRef<Path>) -> Result<(Vec<Arc<Volume>>, 
 }
 
 /// Reads the files that the optics of a scene name, pictures of an environment and phase functions, into the scene,
-/// where they stay: changes of the scene need no second reading. Relative paths start at `base`. PNG pictures are
-/// as bright as a screen shows them, white being a radiance of 1.
+/// where they stay: changes of the scene need no second reading. Relative paths start at `base`, which the scene must
+/// not leave ([`load_optics_with`] lets it). PNG pictures are as bright as a screen shows them, white being a radiance
+/// of 1.
 ///
 /// # Errors
-/// [`LoadError::Io`] and [`LoadError::Text`] if a file cannot be read, [`LoadError::Line`] and
-/// [`LoadError::Optics`] if it cannot be used.
+/// [`LoadError::Io`] if a file cannot be read, [`LoadError::Line`] and [`LoadError::Optics`] if it cannot be used.
 pub fn load_optics(scene: &mut Scene, base: impl AsRef<Path>) -> Result<(), LoadError> {
+    load_optics_with(scene, base, &LoadOptions::default())
+}
+
+/// Reads the files that the optics of a scene name, as [`load_optics`] does, with other limits.
+///
+/// # Errors
+/// As [`load_optics`].
+pub fn load_optics_with(scene: &mut Scene, base: impl AsRef<Path>, options: &LoadOptions) -> Result<(), LoadError> {
+    let folder = Folder { path: base.as_ref(), options };
+    let limits = &options.read.limits;
     if let Technique::PathTrace(settings) = &mut scene.technique
         && let Environment::Image(image) = &mut settings.environment
         && let SkySource::File(path) = &image.source
     {
-        image.map = Some(Arc::new(sky(&base.as_ref().join(path))?));
+        image.map = Some(Arc::new(sky(&folder.locate(path)?, limits)?));
     }
     for entry in &mut scene.volumes {
         let phase = &mut entry.scattering.phase;
         if let Some(file) = phase.file() {
-            let path = base.as_ref().join(file);
-            let entries = phase_file::read(&path)?;
+            let path = folder.locate(file)?;
+            let entries = phase_file::read(&path, limits)?;
             phase.fill(&entries).map_err(|error| LoadError::Optics { path, error })?;
         }
     }
     Ok(())
 }
 
-fn sky(path: &Path) -> Result<SkyMap, LoadError> {
-    let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-    let picture = if is_exr { pellucid_io::read_exr(path)? } else { pellucid_io::read_png(path)? };
+fn sky(path: &Path, limits: &Limits) -> Result<SkyMap, LoadError> {
+    let picture = read_picture(path, limits)?;
     let linear = |v: f32| if picture.transfer == Transfer::Srgb { srgb_decode(v) } else { v };
     let texels = picture.pixels.iter().map(|[r, g, b, _]| [*r, *g, *b].map(linear)).collect();
     SkyMap::new(picture.width as usize, picture.height as usize, texels)
@@ -184,24 +226,24 @@ fn sampled(volume: usize, sample: &SampleSource) -> Result<Volume, LoadError> {
     baked(volume, field.as_ref(), dims, voxel_type)
 }
 
-fn modelled(volume: usize, model: &ModelSource, base: &Path) -> Result<Volume, LoadError> {
+fn modelled(volume: usize, model: &ModelSource, folder: &Folder) -> Result<Volume, LoadError> {
     let (field, dims): (Box<dyn ScalarField>, _) = match model {
         ModelSource::Clouds(clouds) => (Box::new(Clouds::new(clouds.seed.into(), clouds.ellipsoids)), clouds.dims),
         ModelSource::Spectral(spectral) => (Box::new(Spectral { phases: spectral.phases }), spectral.dims),
-        ModelSource::HeightField(land) => (Box::new(height_field(volume, land, base)?), land.dims),
+        ModelSource::HeightField(land) => (Box::new(height_field(volume, land, folder)?), land.dims),
     };
     baked(volume, field.as_ref(), dims, field.about().voxel_type)
 }
 
 /// A slab over a map, of the level that its voxels are as fine as.
-fn height_field(volume: usize, land: &HeightFieldSource, base: &Path) -> Result<HeightField, LoadError> {
+fn height_field(volume: usize, land: &HeightFieldSource, folder: &Folder) -> Result<HeightField, LoadError> {
     /// Heights along a side of built-in land.
     const POINTS: usize = 1024;
     let failed = |source| LoadError::Sample { volume, source };
     let map = match &land.map {
         HeightSource::Terrain(seed) => HeightMap::terrain(*seed, POINTS),
         HeightSource::File(path) => {
-            let picture = pellucid_io::read_png(base.join(path))?;
+            let picture = read_picture(folder.locate(path)?, &folder.options.read.limits)?;
             let (width, height) = (picture.width as usize, picture.height as usize);
             // Rows of pictures go down, those of a map along y.
             let row = |y: usize| &picture.pixels[(height - 1 - y) * width..][..width];

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use pellucid::field::VoxelType;
 use pellucid::scene::{Control, Frame, SampleSource, Scene, Source};
-use pellucid::{Backend, Renderer, load};
+use pellucid::{Backend, LoadOptions, Renderer, load_with};
 
 /// Files of real scans: all of them, or none.
 fn real() -> Vec<Source> {
@@ -35,7 +35,7 @@ fn draw(source: &Source, skipping: bool) -> Frame {
     let mut scene = Scene::of(source.clone());
     (scene.image.width, scene.image.height) = (160, 160);
     scene.quality.empty_space_skipping = skipping;
-    let (volumes, _) = load(&scene, "").unwrap();
+    let (volumes, _) = load_with(&scene, "", &LoadOptions { outside: true, ..LoadOptions::default() }).unwrap();
     let (stage, choices) = scene.resolve(&volumes).unwrap();
     assert!(choices.iter().any(|choice| choice.setting == "preset"), "{choices:?}");
     Renderer::new(Backend::Auto).unwrap().render(&stage, &Control::default()).unwrap()

@@ -6,6 +6,7 @@ use glam::DVec3;
 use pellucid_field::{ValueMap, VoxelType, Warning};
 
 use crate::encoding::Encoding;
+use crate::file_names::FileNames;
 use crate::header::{Field, Lines};
 use crate::payload::{Parts, Payload, Skip};
 use crate::source::Source;
@@ -32,8 +33,8 @@ struct Header<'a> {
 }
 
 impl<'a> Header<'a> {
-    fn parse(source: &'a Source) -> Result<Self, IoError> {
-        let mut lines = Lines::new(source);
+    fn parse(source: &'a Source, head: &[u8]) -> Result<Self, IoError> {
+        let mut lines = Lines::new(source, head);
         let mut header = Self { source, tags: HashMap::new(), list: Vec::new(), end: 0 };
         while let Some(line) = lines.next_line()? {
             if line.trim().is_empty() {
@@ -83,9 +84,9 @@ impl<'a> Header<'a> {
 }
 
 /// How to read a MetaImage file.
-pub(crate) fn describe(source: &Source, options: &ReadOptions) -> Result<Description, IoError> {
+pub(crate) fn describe(source: &Source, head: &[u8], options: &ReadOptions) -> Result<Description, IoError> {
     let path = &source.path;
-    let header = Header::parse(source)?;
+    let mut header = Header::parse(source, head)?;
     let mut warnings = Vec::new();
     if let Some(field) = header.get("ObjectType").filter(|field| !field.text.eq_ignore_ascii_case("image")) {
         return Err(field.error("Image"));
@@ -109,7 +110,7 @@ pub(crate) fn describe(source: &Source, options: &ReadOptions) -> Result<Descrip
     let frames = sizes.get(3).map_or(1, |&n| n as u64);
     let time = choose_time(path, frames, options, &mut warnings)?;
     let count = dims.iter().try_fold(components as u64, |product, &n| product.checked_mul(n as u64));
-    let count = count.ok_or_else(|| IoError::Memory { path: path.clone(), bytes: u64::MAX })?;
+    let count = count.ok_or_else(|| IoError::too_large(path))?;
 
     let is_big = header.flag(&["BinaryDataByteOrderMSB", "ElementByteOrderMSB"], false)?;
     let encoding = match (header.flag(&["BinaryData"], true)?, header.flag(&["CompressedData"], false)?) {
@@ -117,7 +118,7 @@ pub(crate) fn describe(source: &Source, options: &ReadOptions) -> Result<Descrip
         (true, true) => Encoding::Zlib,
         (true, false) => Encoding::Raw,
     };
-    let parts = parts(&header)?;
+    let parts = parts(&mut header)?;
     let is_local = matches!(parts, Parts::Attached(..));
     let skip = match header.get("HeaderSize").map(|field| (field, field.number::<i64>("a number of bytes, or -1"))) {
         None => Skip::NONE,
@@ -209,16 +210,15 @@ fn geometry(
     }
 }
 
-fn parts(header: &Header) -> Result<Parts, IoError> {
+fn parts(header: &mut Header) -> Result<Parts, IoError> {
     let field = header.require("ElementDataFile", "LOCAL, LIST or the name of a file, as the last tag")?;
     if field.text.eq_ignore_ascii_case("local") {
         return Ok(Parts::Attached(header.source.clone(), header.end));
     }
     if field.text.split_whitespace().next() == Some("LIST") {
-        return Ok(Parts::Files(header.list.iter().map(|name| header.source.sibling(name)).collect()));
+        return FileNames::listed(&header.source.path, std::mem::take(&mut header.list)).map(Parts::Files);
     }
-    let numbered = field.numbered_files(header.source);
-    numbered.unwrap_or_else(|| Ok(Parts::Files(vec![header.source.sibling(field.text)])))
+    FileNames::parse(&field).map(Parts::Files)
 }
 
 fn stored_type(field: Field) -> Result<StoredType, IoError> {

@@ -2,7 +2,9 @@
 
 use std::io::Read;
 
-use crate::encoding::{Encoding, Window};
+use flate2::bufread::GzDecoder;
+
+use crate::encoding::GZIP;
 use crate::source::Source;
 use crate::{Endian, IoError, StoredType};
 use pellucid_field::VoxelType;
@@ -36,8 +38,8 @@ pub(super) struct Header {
 }
 
 /// Whether a file, unpacked if need be, begins like a NIfTI header.
-pub(crate) fn is_nifti(source: &Source) -> bool {
-    let bytes = first_bytes(source);
+pub(crate) fn is_nifti(head: &[u8]) -> bool {
+    let bytes = first_bytes(head);
     let magic = |at: usize, tail: u8| {
         let found = bytes.get(at..at + 4);
         found.is_some_and(|magic| matches!(magic, [b'n', b'+' | b'i', version, 0] if *version == tail))
@@ -46,24 +48,25 @@ pub(crate) fn is_nifti(source: &Source) -> bool {
 }
 
 /// As many bytes as the longer header has, or fewer if the file is short or damaged.
-fn first_bytes(source: &Source) -> Vec<u8> {
+fn first_bytes(head: &[u8]) -> Vec<u8> {
+    if !is_gzip(head) {
+        return head[..head.len().min(SIZE_2)].to_vec();
+    }
     let mut bytes = Vec::new();
-    let encoding = if is_gzip(source) { Encoding::Gzip } else { Encoding::Raw };
-    let reader = encoding.reader(Window::from(source.shared(), 0), VoxelType::U8.into());
     // What can be decoded is enough to tell, or to complain about.
-    let _ = reader.take(SIZE_2 as u64).read_to_end(&mut bytes);
+    let _ = GzDecoder::new(head).take(SIZE_2 as u64).read_to_end(&mut bytes);
     bytes
 }
 
 /// Whether the content is gzip, whatever the name says.
-pub(super) fn is_gzip(source: &Source) -> bool {
-    source.bytes().starts_with(&[0x1f, 0x8b])
+pub(super) fn is_gzip(head: &[u8]) -> bool {
+    head.starts_with(&GZIP)
 }
 
 impl Header {
-    pub fn parse(source: &Source) -> Result<Self, IoError> {
+    pub fn parse(source: &Source, head: &[u8]) -> Result<Self, IoError> {
         let path = &source.path;
-        let bytes = first_bytes(source);
+        let bytes = first_bytes(head);
         let truncated = |expected: usize| IoError::Truncated {
             path: path.clone(),
             what: "the header",

@@ -7,6 +7,7 @@ use pellucid_field::{ValueMap, Warning};
 use super::geometry::world_from_index;
 use super::header::{Header, is_gzip};
 use crate::encoding::Encoding;
+use crate::file_names::FileNames;
 use crate::options::is_gzip_name;
 use crate::payload::{Parts, Payload, Skip};
 use crate::source::Source;
@@ -14,9 +15,9 @@ use crate::volumes::{Description, choose_time};
 use crate::{IoError, ReadOptions};
 
 /// How to read a NIfTI file.
-pub(crate) fn describe(source: &Source, options: &ReadOptions) -> Result<Description, IoError> {
+pub(crate) fn describe(source: &Source, head: &[u8], options: &ReadOptions) -> Result<Description, IoError> {
     let path = &source.path;
-    let header = Header::parse(source)?;
+    let header = Header::parse(source, head)?;
     let mut warnings = Vec::new();
     let (stored, packed) = header.stored(source)?;
     if i64::from(header.bitpix) != (stored.size() * packed * 8) as i64 {
@@ -40,10 +41,10 @@ pub(crate) fn describe(source: &Source, options: &ReadOptions) -> Result<Descrip
     }
     let components = packed * planes;
     let voxels = [x, y, z].into_iter().try_fold(components as u64, |product, n| product.checked_mul(n as u64));
-    let count = voxels.ok_or_else(|| IoError::Memory { path: path.clone(), bytes: u64::MAX })?;
+    let count = voxels.ok_or_else(|| IoError::too_large(path))?;
     let frame = choose_time(path, frames as u64, options, &mut warnings)?;
     let (world_from_index, in_millimetres, is_anatomical) = world_from_index(&header, &mut warnings);
-    let (parts, encoding) = parts(source, &header);
+    let (parts, encoding) = parts(source, head, &header);
     Ok(Description {
         dims: [x, y, z],
         world_from_index,
@@ -76,19 +77,18 @@ pub(crate) fn header_of_image(path: &Path) -> PathBuf {
     if is_gzip_name(path) && packed.exists() && !header.exists() { packed } else { header }
 }
 
-fn parts(source: &Source, header: &Header) -> (Parts, Encoding) {
+fn parts(source: &Source, head: &[u8], header: &Header) -> (Parts, Encoding) {
     if header.is_single {
-        let encoding = if is_gzip(source) { Encoding::Gzip } else { Encoding::Raw };
+        let encoding = if is_gzip(head) { Encoding::Gzip } else { Encoding::Raw };
         return (Parts::Attached(source.clone(), 0), encoding);
     }
     let path = &source.path;
     let plain = if is_gzip_name(path) { path.with_extension("") } else { path.clone() };
     let (image, packed) = (plain.with_extension("img"), plain.with_extension("img.gz"));
-    if packed.exists() && !image.exists() {
-        (Parts::Files(vec![packed]), Encoding::Gzip)
-    } else {
-        (Parts::Files(vec![image]), Encoding::Raw)
-    }
+    let (image, encoding) =
+        if packed.exists() && !image.exists() { (packed, Encoding::Gzip) } else { (image, Encoding::Raw) };
+    let name = image.file_name().unwrap_or_default();
+    (Parts::Files(FileNames::Listed(vec![name.into()])), encoding)
 }
 
 /// Where the values begin.

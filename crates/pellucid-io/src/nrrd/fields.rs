@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use pellucid_field::Warning;
 
 use crate::IoError;
+use crate::file_names::FileNames;
 use crate::header::{Field, Lines};
 use crate::payload::Parts;
 use crate::source::Source;
@@ -49,15 +50,15 @@ pub(super) struct Header<'a> {
     fields: HashMap<&'static str, String>,
     keys: HashMap<String, String>,
     /// Files named line by line after `data file: LIST`.
-    list: Option<Parts>,
+    list: Option<FileNames>,
     /// Where attached data begin, if the header ends before the file does.
     data: Option<u64>,
 }
 
 impl<'a> Header<'a> {
-    pub fn parse(source: &'a Source, warnings: &mut Vec<Warning>) -> Result<Self, IoError> {
+    pub fn parse(source: &'a Source, head: &[u8], warnings: &mut Vec<Warning>) -> Result<Self, IoError> {
         let path = &source.path;
-        let mut lines = Lines::new(source);
+        let mut lines = Lines::new(source, head);
         let magic = lines.next_line()?.unwrap_or_default();
         let version = magic.trim_end().strip_prefix("NRRD").unwrap_or_default();
         if !matches!(version, "0001" | "0002" | "0003" | "0004" | "0005" | "00.01") {
@@ -85,10 +86,10 @@ impl<'a> Header<'a> {
                     let mut files = Vec::new();
                     while let Some(name) = lines.next_line()? {
                         if !name.trim().is_empty() {
-                            files.push(source.sibling(name.trim()));
+                            files.push(name.trim().to_owned());
                         }
                     }
-                    header.list = Some(Parts::Files(files));
+                    header.list = Some(FileNames::listed(path, files)?);
                     break;
                 }
                 Some(field) => {
@@ -120,11 +121,10 @@ impl<'a> Header<'a> {
     /// Where the data are.
     pub fn take_parts(&mut self) -> Result<Parts, IoError> {
         if let Some(list) = self.list.take() {
-            return Ok(list);
+            return Ok(Parts::Files(list));
         }
         if let Some(field) = self.get("data file") {
-            let numbered = field.numbered_files(self.source);
-            return numbered.unwrap_or_else(|| Ok(Parts::Files(vec![self.source.sibling(field.text)])));
+            return FileNames::parse(&field).map(Parts::Files);
         }
         match self.data {
             Some(offset) => Ok(Parts::Attached(self.source.clone(), offset)),

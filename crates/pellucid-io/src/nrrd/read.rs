@@ -12,9 +12,9 @@ use crate::volumes::{Description, choose_time};
 use crate::{Endian, IoError, ReadOptions, StoredType};
 
 /// How to read a NRRD file.
-pub(crate) fn describe(source: &Source, options: &ReadOptions) -> Result<Description, IoError> {
+pub(crate) fn describe(source: &Source, head: &[u8], options: &ReadOptions) -> Result<Description, IoError> {
     let mut warnings = Vec::new();
-    let mut header = Header::parse(source, &mut warnings)?;
+    let mut header = Header::parse(source, head, &mut warnings)?;
     let stored = stored_type(header.require("type", "a type of values")?)?;
     let encoding = encoding(header.require("encoding", "an encoding")?)?;
     let endian = match header.get("endian") {
@@ -33,7 +33,7 @@ pub(crate) fn describe(source: &Source, options: &ReadOptions) -> Result<Descrip
     }
     let frame = choose_time(&source.path, shape.frames, options, &mut warnings)?;
     let voxels = shape.dims.iter().try_fold(shape.components as u64, |product, &n| product.checked_mul(n as u64));
-    let count = voxels.ok_or_else(|| IoError::Memory { path: source.path.clone(), bytes: u64::MAX })?;
+    let count = voxels.ok_or_else(|| IoError::too_large(&source.path))?;
     let skip = skip(&header, encoding)?;
     let value_map = value_map(&header)?;
     let value_unit = header.get("sample units").map(|field| field.text.trim_matches('"').to_owned());

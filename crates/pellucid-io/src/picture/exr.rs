@@ -1,8 +1,9 @@
 //! OpenEXR files.
 
-use std::io::Cursor;
+use std::io::{BufRead, ErrorKind, Seek};
 use std::path::Path;
 
+use exr::meta::MetaData;
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels, ReadLayers, Vec2,
     WritableImage,
@@ -10,45 +11,38 @@ use exr::prelude::{
 
 use pellucid_field::memory;
 
-use super::{Picture, Transfer};
-use crate::source::Source;
+use super::{File, Picture, Transfer, check_size};
 use crate::{AtomicFile, IoError};
 
-/// Most pixels that are read: 1 GiB of RGBA.
-const MOST_PIXELS: u64 = 1 << 26;
-
-/// Reads the first layer of an EXR that has channels `R`, `G` and `B`, and perhaps `A`, as 32-bit floats of
-/// linear light, as they are.
-///
-/// # Errors
-/// [`IoError::Io`], [`IoError::Damaged`] if it is not an EXR, broken or without these channels, and
-/// [`IoError::Memory`] for more than 2^26 pixels.
-pub fn read_exr(path: impl AsRef<Path>) -> Result<Picture, IoError> {
-    let path = path.as_ref();
-    let source = Source::open(path)?;
-    let damaged = |reason: String| IoError::Damaged { path: path.to_owned(), encoding: "EXR", reason };
-    // Headers lie: a picture that is too large is not allocated, and its pixels go nowhere.
-    let fits = |size: Vec2<usize>| (size.width() as u64).saturating_mul(size.height() as u64) <= MOST_PIXELS;
-    let create = |size: Vec2<usize>, _: &_| {
-        let pixels = if fits(size) { vec![[0.0f32; 4]; size.area()] } else { Vec::new() };
-        (size, pixels)
-    };
-    let store =
-        |(size, pixels): &mut (Vec2<usize>, Vec<[f32; 4]>), at: Vec2<usize>, (r, g, b, a): (f32, f32, f32, f32)| {
-            if let Some(pixel) = pixels.get_mut(at.y() * size.width() + at.x()) {
-                *pixel = [r, g, b, a];
-            }
+impl<R: BufRead + Seek> File<'_, R> {
+    pub(super) fn exr(mut self) -> Result<Picture, IoError> {
+        let Self { path, limits, stored, .. } = self;
+        let damaged = |error: exr::error::Error| match error {
+            exr::error::Error::Io(source) if source.kind() != ErrorKind::UnexpectedEof => IoError::io(path)(source),
+            other => IoError::Damaged { path: path.to_owned(), encoding: "EXR", reason: other.to_string() },
         };
-    let reader = exr::prelude::read().no_deep_data().largest_resolution_level().rgba_channels(create, store);
-    let read = reader.first_valid_layer().all_attributes().from_buffered(Cursor::new(source.bytes()));
-    let image = read.map_err(|error| damaged(error.to_string()))?;
-    let (size, pixels) = image.layer_data.channel_data.pixels;
-    if !fits(size) {
-        let bytes = (size.width() as u64).saturating_mul(size.height() as u64).saturating_mul(16);
-        return Err(IoError::Memory { path: path.to_owned(), bytes });
+        // Headers lie: what is too large is refused before anything is allocated for it.
+        let meta = MetaData::read_from_buffered(&mut self.reader, false).map_err(damaged)?;
+        self.reader.rewind().map_err(IoError::io(path))?;
+        for header in &meta.headers {
+            let size = header.layer_size;
+            let pixels = (size.width() as u64).saturating_mul(size.height() as u64);
+            check_size(limits, path, stored, pixels, pixels.saturating_mul(header.channels.bytes_per_pixel as u64))?;
+        }
+        let create = |size: Vec2<usize>, _: &_| (size, vec![[0.0f32; 4]; size.area()]);
+        let store =
+            |(size, pixels): &mut (Vec2<usize>, Vec<[f32; 4]>), at: Vec2<usize>, (r, g, b, a): (f32, f32, f32, f32)| {
+                if let Some(pixel) = pixels.get_mut(at.y() * size.width() + at.x()) {
+                    *pixel = [r, g, b, a];
+                }
+            };
+        let reader = exr::prelude::read().no_deep_data().largest_resolution_level().rgba_channels(create, store);
+        let read = reader.first_valid_layer().all_attributes().from_buffered(&mut self.reader);
+        let image = read.map_err(damaged)?;
+        let (size, pixels) = image.layer_data.channel_data.pixels;
+        let [width, height] = [size.width(), size.height()].map(|n| n as u32);
+        Ok(Picture { width, height, pixels, transfer: Transfer::Linear })
     }
-    let [width, height] = [size.width(), size.height()].map(|n| n as u32);
-    Ok(Picture { width, height, pixels, transfer: Transfer::Linear })
 }
 
 /// Writes a single-layer EXR of 32-bit floating point channels, compressed without loss. Each

@@ -1,22 +1,14 @@
 //! PNG files.
 
-use std::io::{Cursor, Write};
+use std::io::{BufRead, ErrorKind, Seek, Write};
 use std::path::Path;
 
 use pellucid_field::memory;
 use png::{BitDepth, ColorType, DecodingError, EncodingError, ScaledFloat, SrgbRenderingIntent, Transformations};
 
-use crate::source::Source;
+use super::{File, Picture, Transfer, check_size};
+use crate::encoding::DEFLATE_RATIO;
 use crate::{AtomicFile, IoError};
-
-/// What the numbers of a picture are proportional to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Transfer {
-    /// Perceived brightness: encoded by the sRGB curve.
-    Srgb,
-    /// Light.
-    Linear,
-}
 
 /// Pixels to write: rows from the top, 3 (RGB) or 4 (RGBA, not premultiplied) values per pixel;
 /// the number of values decides which.
@@ -26,19 +18,6 @@ pub enum PngPixels<'a> {
     U8(&'a [u8]),
     /// 16 bits per value.
     U16(&'a [u16]),
-}
-
-/// A picture read from a file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
-    /// Pixels per row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// RGBA as stored, rows from the top: of a PNG in 0..=1, not premultiplied and not decoded.
-    pub pixels: Vec<[f32; 4]>,
-    /// What the file says of its numbers; sRGB where it says nothing.
-    pub transfer: Transfer,
 }
 
 /// Writes a PNG with an sRGB chunk for sRGB data, or a gamma of 1.0 for linear ones.
@@ -105,58 +84,67 @@ pub fn write_png(
     file.commit()
 }
 
-/// Reads a PNG of any kind as RGBA; grey becomes three equal values, a missing alpha 1.
-///
-/// # Errors
-/// [`IoError::Io`], [`IoError::Damaged`] if it is not a PNG or broken, [`IoError::Truncated`] if
-/// its size cannot hold its pixels, and [`IoError::Memory`].
-pub fn read_png(path: impl AsRef<Path>) -> Result<Picture, IoError> {
-    let path = path.as_ref();
-    let source = Source::open(path)?;
-    let damaged = |error: DecodingError| match error {
-        DecodingError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => {
-            IoError::io(path)(source)
+impl<R: BufRead + Seek> File<'_, R> {
+    pub(super) fn png(self) -> Result<Picture, IoError> {
+        let Self { path, limits, stored, reader } = self;
+        let damaged = |reason| IoError::Damaged { path: path.to_owned(), encoding: "PNG", reason };
+        let failed = |error: DecodingError| match error {
+            DecodingError::IoError(source) if source.kind() != ErrorKind::UnexpectedEof => IoError::io(path)(source),
+            other => damaged(other.to_string()),
+        };
+        let mut decoder = png::Decoder::new(reader);
+        decoder.set_transformations(Transformations::EXPAND);
+        // They may unpack to more than the picture.
+        decoder.set_ignore_text_chunk(true);
+        decoder.set_ignore_iccp_chunk(true);
+        let mut reader = decoder.read_info().map_err(failed)?;
+        let info = reader.info();
+        let (width, height) = (info.width, info.height);
+        // Linear data state a gamma of 1; whatever else files state is close to sRGB.
+        let is_linear = info.gamma().is_some_and(|gamma| (gamma.into_value() - 1.0).abs() < 0.01);
+        if info.color_type == ColorType::Indexed {
+            // Other lengths make png 0.18.1 panic (image-png issue 694).
+            let found = info.palette.as_ref().map_or(0, |palette| palette.len());
+            if !(3..=768).contains(&found) || !found.is_multiple_of(3) {
+                return Err(damaged(format!("the palette has {found} bytes, expected 3 for each of 1 to 256 colours")));
+            }
         }
-        other => IoError::Damaged { path: path.to_owned(), encoding: "PNG", reason: other.to_string() },
-    };
-    let mut decoder = png::Decoder::new(Cursor::new(source.bytes()));
-    decoder.set_transformations(Transformations::EXPAND);
-    let mut reader = decoder.read_info().map_err(damaged)?;
-    let info = reader.info();
-    let (width, height) = (info.width, info.height);
-    // Linear data state a gamma of 1; whatever else files state is close to sRGB.
-    let is_linear = info.gamma().is_some_and(|gamma| (gamma.into_value() - 1.0).abs() < 0.01);
-    let row = u64::from(width) * info.bits_per_pixel() as u64 / 8;
-    let (needed, most) = (row * u64::from(height), source.bytes().len() as u64 * 1032);
-    if needed > most {
-        let what = "the picture, at best,";
-        return Err(IoError::Truncated { path: path.to_owned(), what, found: most, expected: needed });
+        let row = u64::from(width) * info.bits_per_pixel() as u64 / 8;
+        let (needed, most) = (row.saturating_mul(height.into()), stored.saturating_mul(DEFLATE_RATIO));
+        if needed > most {
+            let what = "the picture, at best,";
+            return Err(IoError::Truncated { path: path.to_owned(), what, found: most, expected: needed });
+        }
+        let out_of_memory = |bytes: u64| IoError::Memory { path: path.to_owned(), bytes };
+        let size = reader.output_buffer_size().ok_or_else(|| out_of_memory(u64::MAX))?;
+        check_size(limits, path, stored, u64::from(width) * u64::from(height), size as u64)?;
+        let mut bytes = Vec::new();
+        memory::reserve(&mut bytes, size).map_err(|_| out_of_memory(size as u64))?;
+        bytes.resize(size, 0);
+        let frame = reader.next_frame(&mut bytes).map_err(failed)?;
+        let channels = frame.color_type.samples();
+        let area = width as usize * height as usize;
+        let mut pixels = Vec::new();
+        memory::reserve(&mut pixels, area).map_err(|_| out_of_memory(area as u64 * 16))?;
+        let rgba = |pixel: [f32; 4]| match channels {
+            1 => [pixel[0], pixel[0], pixel[0], 1.0],
+            2 => [pixel[0], pixel[0], pixel[0], pixel[1]],
+            3 => [pixel[0], pixel[1], pixel[2], 1.0],
+            _ => pixel,
+        };
+        let part = |pixel: &[u8], channel: usize| match frame.bit_depth {
+            BitDepth::Sixteen => {
+                let at = 2 * channel.min(channels - 1);
+                f32::from(u16::from_be_bytes([pixel[at], pixel[at + 1]])) / 65535.0
+            }
+            _ => f32::from(pixel[channel.min(channels - 1)]) / 255.0,
+        };
+        let stride = channels * if frame.bit_depth == BitDepth::Sixteen { 2 } else { 1 };
+        let values = bytes[..frame.buffer_size()].chunks_exact(stride).take(area);
+        pixels.extend(values.map(|pixel| rgba(std::array::from_fn(|channel| part(pixel, channel)))));
+        if pixels.len() < area {
+            return Err(damaged(format!("{} pixels, expected {area}", pixels.len())));
+        }
+        Ok(Picture { width, height, pixels, transfer: if is_linear { Transfer::Linear } else { Transfer::Srgb } })
     }
-    let out_of_memory = |bytes: u64| IoError::Memory { path: path.to_owned(), bytes };
-    let size = reader.output_buffer_size().ok_or_else(|| out_of_memory(u64::MAX))?;
-    let mut bytes = Vec::new();
-    memory::reserve(&mut bytes, size).map_err(|_| out_of_memory(size as u64))?;
-    bytes.resize(size, 0);
-    let frame = reader.next_frame(&mut bytes).map_err(damaged)?;
-    let channels = frame.color_type.samples();
-    let area = width as usize * height as usize;
-    let mut pixels = Vec::new();
-    memory::reserve(&mut pixels, area).map_err(|_| out_of_memory(area as u64 * 16))?;
-    let rgba = |pixel: [f32; 4]| match channels {
-        1 => [pixel[0], pixel[0], pixel[0], 1.0],
-        2 => [pixel[0], pixel[0], pixel[0], pixel[1]],
-        3 => [pixel[0], pixel[1], pixel[2], 1.0],
-        _ => pixel,
-    };
-    let part = |pixel: &[u8], channel: usize| match frame.bit_depth {
-        BitDepth::Sixteen => {
-            let at = 2 * channel.min(channels - 1);
-            f32::from(u16::from_be_bytes([pixel[at], pixel[at + 1]])) / 65535.0
-        }
-        _ => f32::from(pixel[channel.min(channels - 1)]) / 255.0,
-    };
-    let stride = channels * if frame.bit_depth == BitDepth::Sixteen { 2 } else { 1 };
-    let stored = bytes[..frame.buffer_size()].chunks_exact(stride).take(area);
-    pixels.extend(stored.map(|pixel| rgba(std::array::from_fn(|channel| part(pixel, channel)))));
-    Ok(Picture { width, height, pixels, transfer: if is_linear { Transfer::Linear } else { Transfer::Srgb } })
 }

@@ -1,6 +1,8 @@
 //! What the tests of several formats share.
 #![allow(dead_code, reason = "every test file uses its own part")]
 
+pub mod ledger;
+pub mod mutate;
 pub mod nifti;
 pub mod seeds;
 

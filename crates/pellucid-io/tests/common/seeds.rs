@@ -1,16 +1,13 @@
-//! Small valid files of every format and encoding, and ways to spoil them.
+//! Small valid files of every format and encoding.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::io::{Read, Write};
+use std::path::Path;
+
+use pellucid_io::{PngPixels, Transfer, write_exr, write_png};
 
 use super::gzip;
+use super::mutate::{Random, Seed, mutate};
 use super::nifti::Header;
-
-/// A file to begin with.
-pub struct Seed {
-    pub path: PathBuf,
-    pub bytes: Vec<u8>,
-}
 
 /// Seeds whose names lie in `folder`, where the files that detached headers name are written.
 pub fn seeds(folder: &Path) -> Vec<Seed> {
@@ -72,80 +69,129 @@ pub fn seeds(folder: &Path) -> Vec<Seed> {
     .collect()
 }
 
-/// Small, fast and repeatable (xorshift).
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn below(&mut self, n: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % n.max(1) as u64) as usize
+/// Pictures of every kind, in `folder`.
+pub fn pictures(folder: &Path) -> Vec<Seed> {
+    use png::{BitDepth, ColorType};
+    let path = |name: &str| folder.join(name);
+    let bytes: Vec<u8> = (0..192).collect();
+    let words: Vec<u16> = (0..256).map(|k| k * 257).collect();
+    let light: Vec<f32> = (0..64).map(|k| k as f32 / 7.0).collect();
+    write_png(path("rgb.png"), 8, 8, PngPixels::U8(&bytes), Transfer::Srgb).unwrap();
+    write_png(path("rgba.png"), 8, 8, PngPixels::U16(&words), Transfer::Linear).unwrap();
+    for (name, color, depth) in [
+        ("grey1.png", ColorType::Grayscale, BitDepth::One),
+        ("alpha.png", ColorType::GrayscaleAlpha, BitDepth::Eight),
+        ("palette2.png", ColorType::Indexed, BitDepth::Two),
+        ("palette8.png", ColorType::Indexed, BitDepth::Eight),
+    ] {
+        let mut encoder = png::Encoder::new(std::fs::File::create(path(name)).unwrap(), 8, 8);
+        encoder.set_color(color);
+        encoder.set_depth(depth);
+        if color == ColorType::Indexed {
+            encoder.set_palette((0..12).map(|k| k * 20).collect::<Vec<u8>>());
+            encoder.set_trns(vec![102, 7]);
+        }
+        let data = vec![0; 8 * color.samples() * depth as usize];
+        encoder.write_header().unwrap().write_image_data(&data).unwrap();
     }
+    write_exr(path("rgb.exr"), 8, 8, &[("R", &light), ("G", &light), ("B", &light)]).unwrap();
+    write_exr(path("more.exr"), 8, 8, &[("A", &light), ("B", &light), ("G", &light), ("R", &light), ("Z", &light)])
+        .unwrap();
+    let names =
+        ["rgb.png", "rgba.png", "grey1.png", "alpha.png", "palette2.png", "palette8.png", "rgb.exr", "more.exr"];
+    let mut seeds: Vec<Seed> =
+        names.into_iter().map(|name| Seed { path: path(name), bytes: std::fs::read(path(name)).unwrap() }).collect();
+    for compression in ["rle", "zip1", "piz", "pxr24", "b44", "tiles"] {
+        let name = path(&format!("{compression}.exr"));
+        compressed_exr(&name, compression);
+        seeds.push(Seed { bytes: std::fs::read(&name).unwrap(), path: name });
+    }
+    seeds
 }
 
-/// Words that have broken readers before.
-const WORDS: [&str; 22] = [
-    "0",
-    "-1",
-    "1",
-    "2",
-    "nan",
-    "inf",
-    "-inf",
-    "1e308",
-    "1e-320",
-    "4294967296",
-    "9223372036854775807",
-    "18446744073709551615",
-    "-9223372036854775808",
-    "LIST",
-    "LOCAL",
-    "%d",
-    "none",
-    "(",
-    ")",
-    "\"",
-    "\n\n",
-    "=",
-];
+fn compressed_exr(path: &Path, compression: &str) {
+    use exr::prelude::{Blocks, Compression, Encoding, Image, LineOrder, SpecificChannels, Vec2, WritableImage, f16};
+    let pixel = |at: Vec2<usize>| (f16::from_f32(at.x() as f32), at.y() as f32, 0.5f32, f16::ONE);
+    let mut image = Image::from_channels((8, 8), SpecificChannels::rgba(pixel));
+    image.layer_data.encoding = Encoding {
+        compression: match compression {
+            "rle" => Compression::RLE,
+            "piz" => Compression::PIZ,
+            "pxr24" => Compression::PXR24,
+            "b44" => Compression::B44,
+            _ => Compression::ZIP1,
+        },
+        blocks: if compression == "tiles" { Blocks::Tiles(Vec2(4, 4)) } else { Blocks::ScanLines },
+        line_order: LineOrder::Increasing,
+    };
+    image.write().to_file(path).unwrap();
+}
 
-/// Spoils a file in one to four places.
-pub fn mutate(bytes: &mut Vec<u8>, others: &[Seed], random: &mut Random) {
-    for _ in 0..=random.below(4) {
-        let at = random.below(bytes.len());
-        match random.below(9) {
-            0 if !bytes.is_empty() => bytes[at] ^= 1 << random.below(8),
-            1 if !bytes.is_empty() => bytes[at] = [0, 1, 0x7f, 0x80, 0xff, b' ', b'\n'][random.below(7)],
-            2 => bytes.truncate(at),
-            3 => {
-                let end = (at + random.below(32)).min(bytes.len());
-                bytes.drain(at..end);
+/// Spoils a file, mostly behind the checks that would refuse it at once: what is inside if it is packed as a whole, and
+/// the chunks of a PNG, whose checksums are made right.
+pub fn spoil(seed: &Seed, others: &[Seed], random: &mut Random) -> Vec<u8> {
+    let mut bytes = seed.bytes.clone();
+    if random.below(4) == 0 {
+        mutate(&mut bytes, others, random);
+        return bytes;
+    }
+    if bytes.starts_with(&[0x1f, 0x8b]) {
+        let mut inner = Vec::new();
+        flate2::read::GzDecoder::new(bytes.as_slice()).read_to_end(&mut inner).expect("a valid seed");
+        mutate(&mut inner, others, random);
+        return gzip(&inner);
+    }
+    if bytes.starts_with(b"\x89PNG") {
+        return spoil_png(&bytes, others, random);
+    }
+    mutate(&mut bytes, others, random);
+    bytes
+}
+
+fn spoil_png(bytes: &[u8], others: &[Seed], random: &mut Random) -> Vec<u8> {
+    let mut chunks: Vec<([u8; 4], Vec<u8>)> = Vec::new();
+    let mut rest = &bytes[8..];
+    while let Some((length, after)) = rest.split_first_chunk::<4>() {
+        let length = u32::from_be_bytes(*length) as usize;
+        chunks.push((after[..4].try_into().unwrap(), after[4..4 + length].to_vec()));
+        rest = &after[8 + length..];
+    }
+    for _ in 0..=random.below(3) {
+        let at = random.below(chunks.len());
+        match random.below(8) {
+            0 => drop(chunks.remove(at)),
+            1 => chunks.insert(at, chunks[random.below(chunks.len())].clone()),
+            2 => {
+                const NAMES: [&[u8; 4]; 8] = [b"PLTE", b"tRNS", b"gAMA", b"IDAT", b"acTL", b"fcTL", b"fdAT", b"iCCP"];
+                chunks[at].0 = *NAMES[random.below(NAMES.len())];
             }
-            4 => {
-                let end = (at + random.below(64)).min(bytes.len());
-                let copy = bytes[at..end].to_vec();
-                bytes.splice(at..at, copy);
+            3 if chunks[at].0 == *b"IHDR" => {
+                let (byte, value) = (random.below(13), [0, 1, 2, 3, 4, 6, 8, 16, 0x7f, 0xff][random.below(10)]);
+                chunks[at].1.iter_mut().skip(byte).take(1).for_each(|old| *old = value);
             }
-            5 => {
-                // A field of four bytes, as binary headers have them.
-                let value = [0, 1, -1, i32::MAX, i32::MIN, 0x7f80_0000, 0x7fff][random.below(7)];
-                let order = if random.below(2) == 0 { value.to_le_bytes() } else { value.to_be_bytes() };
-                bytes.iter_mut().skip(at).zip(order).for_each(|(byte, new)| *byte = new);
+            4 if chunks[at].0 == *b"IDAT" => {
+                let mut inner = Vec::new();
+                let _ = flate2::read::ZlibDecoder::new(chunks[at].1.as_slice()).read_to_end(&mut inner);
+                mutate(&mut inner, others, random);
+                let mut zlib = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+                zlib.write_all(&inner).unwrap();
+                chunks[at].1 = zlib.finish().unwrap();
             }
-            6 => {
-                let other = &others[random.below(others.len())].bytes;
-                let from = random.below(other.len());
-                let to = (from + random.below(64)).min(other.len());
-                bytes.splice(at..at, other[from..to].iter().copied());
-            }
-            _ => {
-                // The word around the place becomes another.
-                let is_edge = |byte: &u8| byte.is_ascii_whitespace() || b",()".contains(byte);
-                let start = bytes[..at].iter().rposition(is_edge).map_or(0, |edge| edge + 1);
-                let end = bytes[at..].iter().position(is_edge).map_or(bytes.len(), |edge| at + edge);
-                bytes.splice(start..end, WORDS[random.below(WORDS.len())].bytes());
-            }
+            _ => mutate(&mut chunks[at].1, others, random),
+        }
+        if chunks.is_empty() {
+            break;
         }
     }
+    let mut spoilt = bytes[..8].to_vec();
+    for (name, body) in chunks {
+        let mut checksum = flate2::Crc::new();
+        checksum.update(&name);
+        checksum.update(&body);
+        spoilt.extend((body.len() as u32).to_be_bytes());
+        spoilt.extend(name);
+        spoilt.extend(body);
+        spoilt.extend(checksum.sum().to_be_bytes());
+    }
+    spoilt
 }

@@ -59,6 +59,11 @@ impl BackLobe {
         self.document.file.as_deref()
     }
 
+    /// The name of the file, to be changed.
+    pub fn file_mut(&mut self) -> Option<&mut PathBuf> {
+        self.document.file.as_mut()
+    }
+
     /// Whether its file has yet to be read.
     pub fn is_unread(&self) -> bool {
         self.document.file.is_some() && !self.lobe.is_filled

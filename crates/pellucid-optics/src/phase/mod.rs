@@ -5,7 +5,7 @@
 //! all directions, in each channel.
 
 use std::f32::consts::{PI, TAU};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 use schemars::JsonSchema;
@@ -19,9 +19,11 @@ mod hybrid;
 mod rayleigh;
 mod schlick;
 mod table;
+mod text;
 
 pub use hybrid::BackLobe;
 pub use table::{PhaseEntries, PhaseTable, TableAngles};
+pub use text::PhaseTextError;
 
 /// The strongest anisotropy: beyond it single precision resolves the peak no longer.
 pub const MOST_ANISOTROPY: f32 = 0.99;
@@ -110,6 +112,15 @@ impl Phase {
         match self {
             Self::Table(table) => table.file(),
             Self::Hybrid { back, .. } => back.file(),
+            _ => None,
+        }
+    }
+
+    /// The name of that file, to be changed.
+    pub fn file_mut(&mut self) -> Option<&mut PathBuf> {
+        match self {
+            Self::Table(table) => table.file_mut(),
+            Self::Hybrid { back, .. } => back.file_mut(),
             _ => None,
         }
     }

@@ -104,6 +104,11 @@ impl PhaseTable {
         self.document.file.as_deref()
     }
 
+    /// The name of the file, to be changed.
+    pub fn file_mut(&mut self) -> Option<&mut PathBuf> {
+        self.document.file.as_mut()
+    }
+
     /// Whether its file has yet to be read.
     pub fn is_unread(&self) -> bool {
         self.document.file.is_some() && !self.lobe.is_filled
@@ -215,14 +220,13 @@ impl Lobe {
         let mut entries = entries.to_vec();
         entries.sort_by(|(a, _), (b, _)| b.total_cmp(a));
         let refused = |problem| Err(OpticsError::PhaseFile { file: PathBuf::new(), problem });
-        if let Some(pair) = entries.windows(2).find(|pair| pair[0].0 == pair[1].0) {
-            return refused(format!("it has two entries of cosine {}", pair[0].0));
+        if entries.windows(2).any(|pair| pair[0].0 == pair[1].0) {
+            return refused("it has two entries of the same angle".to_owned());
         }
         let found = [entries[0].0, entries[entries.len() - 1].0];
         // A hundredth of a degree at right angles; files are rounded.
         if !((found[0] - first).abs() < 2e-4 && (found[1] - last).abs() < 2e-4) {
-            let problem = format!("its cosines go from {} to {}: expected from {first} to {last}", found[0], found[1]);
-            return refused(problem);
+            return refused(format!("its cosines do not go from end to end: expected from {first} to {last}"));
         }
         let (mut cosines, values): (Vec<f64>, Vec<[f32; 3]>) = entries.into_iter().unzip();
         let end = cosines.len() - 1;

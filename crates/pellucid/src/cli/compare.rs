@@ -5,7 +5,6 @@ use std::str::FromStr;
 
 use pellucid::field::Volume;
 use pellucid::io::{PngPixels, Transfer, write_png};
-use pellucid::load;
 use pellucid::scene::{Frame, ImageSettings, Scene, meant};
 use serde_json::{Value, json};
 
@@ -144,7 +143,7 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     if let Some(path) = &args.output {
         output::writable(path)?;
     }
-    let (volumes, warnings) = load(&scene, &base.folder)?;
+    let (volumes, warnings) = base.load(&scene)?;
     let Staged { scene, choices, warnings: of_settings, .. } = args.scene.stage(&base, scene, &volumes)?;
     let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     warnings.extend(idle);

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use pellucid::io::{Format, WriteOptions, write};
-use pellucid::load;
 
 use super::failure::Failure;
 use super::input::{Input, RawFlags};
@@ -32,7 +31,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     interrupt::listen();
     check_output(&args.output)?;
     let base = args.input.open(&args.raw)?;
-    let (volumes, warnings) = load(&base.scene, &base.folder)?;
+    let (volumes, warnings) = base.load(&base.scene)?;
     let [volume] = volumes.as_slice() else {
         return Err(Failure::input(format_args!("convert takes one volume, the scene lists {}", volumes.len())));
     };

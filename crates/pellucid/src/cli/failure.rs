@@ -97,6 +97,14 @@ impl From<LoadError> for Failure {
                 let hint = "the header or scene names it; names in them start at their own folder";
                 Self::input(&error).hint(hint)
             }
+            LoadError::Io(IoError::Limit { setting: "bytes", found, .. }) => {
+                let enough = format!("{}M", found.div_ceil(1 << 20));
+                Self::input(&error)
+                    .hint(format!("--max-bytes {enough} reads it, if you trust the file and have the memory"))
+            }
+            LoadError::Io(IoError::Outside { .. }) => {
+                Self::input(&error).hint("--allow-outside reads it, if you trust the scene or header that names it")
+            }
             LoadError::Io(IoError::Unsupported { what, .. }) if what.contains("format") => {
                 Self::input(&error).hint("a headerless file needs --dims and --type")
             }

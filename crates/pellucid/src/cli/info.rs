@@ -4,7 +4,6 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use pellucid::field::{Grid, Histogram, Short, Volume, Warning, printable};
-use pellucid::load;
 use pellucid::optics::Scattering;
 use pellucid::scene::{Choice, Scene, VolumeEntry};
 use serde_json::{Value, json};
@@ -39,7 +38,7 @@ pub fn run(args: &InfoArgs) -> Result<(), Failure> {
     let mut objects = Vec::new();
     for (k, input) in args.inputs.iter().enumerate() {
         let base = input.open(&args.raw)?;
-        let (volumes, warnings) = load(&base.scene, &base.folder)?;
+        let (volumes, warnings) = base.load(&base.scene)?;
         for (volume, entry) in volumes.iter().zip(&base.scene.volumes) {
             let about = About::new(volume, entry, args.component, &warnings)?;
             if args.json {

@@ -5,10 +5,12 @@ use std::fmt;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::Arc;
 
-use pellucid::field::{VoxelType, closed_form, nearest};
-use pellucid::io::Format as VolumeFormat;
+use pellucid::field::{Volume, VoxelType, Warning, closed_form, nearest};
+use pellucid::io::{Format as VolumeFormat, Limits, Mapping, ReadOptions, read_text};
 use pellucid::scene::{Format, SampleSource, Scene, Source};
+use pellucid::{LoadError, LoadOptions, load_optics_with, load_with};
 
 use super::failure::Failure;
 use super::values;
@@ -65,20 +67,82 @@ pub struct RawFlags {
     /// Interleaved values per voxel, 1 to 4 [default: 1]
     #[arg(long, value_name = "N")]
     components: Option<usize>,
+    #[command(flatten)]
+    reading: ReadingFlags,
 }
 
-/// A scene to begin with, and the folder its relative paths start at.
+/// What files may name and cost, whatever they say.
+#[derive(clap::Args, Debug, Default)]
+#[command(next_help_heading = "Reading")]
+struct ReadingFlags {
+    /// Let scenes and headers name files outside of their own folder
+    ///
+    /// A scene, or the header of a volume, names files in its own folder and below; for one that you
+    /// trust this lifts the limit. Files that the command line names may lie anywhere.
+    #[arg(long)]
+    allow_outside: bool,
+    /// Most bytes that the values of a volume, or a picture, may unpack to; as 4000000, 300M or 8G
+    /// [default: 512M, or 256 times what is stored]
+    #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
+    max_bytes: Option<u64>,
+    /// Map plain files into memory instead of reading them
+    ///
+    /// That is quicker, and files may be larger than memory, but if another program shortens such a
+    /// file meanwhile, the system ends this one.
+    #[arg(long)]
+    map: bool,
+}
+
+impl ReadingFlags {
+    fn options(&self) -> ReadOptions {
+        ReadOptions {
+            outside: self.allow_outside,
+            limits: Limits { bytes: self.max_bytes, ..Limits::default() },
+            // SAFETY: that is what the user vouches for.
+            map: self.map.then(|| unsafe { Mapping::new() }),
+            ..ReadOptions::default()
+        }
+    }
+}
+
+/// A scene to begin with, and how the files are read that it names.
 pub struct Base {
     /// The scene as it was given, or one of a single volume.
     pub scene: Scene,
-    /// The folder of the scene's file; empty for the current one.
+    /// The folder of the scene's file, where relative paths start; empty for the current one.
     pub folder: PathBuf,
+    read: ReadOptions,
+    /// Whether the scene is a file, rather than what the command line says.
+    is_document: bool,
+}
+
+impl Base {
+    /// The volumes of this scene, or of what flags made of it.
+    pub fn load(&self, scene: &Scene) -> Result<(Vec<Arc<Volume>>, Vec<Warning>), LoadError> {
+        load_with(scene, &self.folder, &self.options(scene))
+    }
+
+    /// Reads what the optics of this scene, or of what flags made of it, name.
+    pub fn load_optics(&self, scene: &mut Scene) -> Result<(), LoadError> {
+        let options = self.options(scene);
+        load_optics_with(scene, &self.folder, &options)
+    }
+
+    /// What the document does not name, the command line does.
+    fn options(&self, scene: &Scene) -> LoadOptions {
+        let files = |scene: &Scene| scene.clone().files_mut().into_iter().map(|file| file.clone()).collect();
+        let (mut trusted, documents): (Vec<PathBuf>, Vec<PathBuf>) = (files(scene), files(&self.scene));
+        trusted.retain(|file| !self.is_document || !documents.contains(file));
+        LoadOptions { outside: self.read.outside, trusted, read: self.read.clone() }
+    }
 }
 
 impl Input {
     /// Reads a scene, or makes one around a volume.
     pub fn open(&self, raw: &RawFlags) -> Result<Base, Failure> {
-        let here = |source| Base { scene: Scene::of(source), folder: PathBuf::new() };
+        let read = raw.reading.options();
+        let here =
+            |source| Base { scene: Scene::of(source), folder: PathBuf::new(), read: read.clone(), is_document: false };
         match self {
             Self::Sample(text) => {
                 raw.only_for_files()?;
@@ -94,11 +158,12 @@ impl Input {
             Self::Scene(path, format) => {
                 raw.not_for_scenes()?;
                 is_file(path)?;
-                let text = std::fs::read_to_string(path).map_err(Failure::reading(path))?;
+                let text = read_text(path, &read.limits).map_err(LoadError::from)?;
                 let scene = Scene::parse(&text, *format)
                     .map_err(|error| Failure::input(format_args!("{}: {error}", path.display())))
                     .map_err(|failure| failure.hint("'pellucid schema' prints every key a scene can have"))?;
-                Ok(Base { scene, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
+                let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+                Ok(Base { scene, folder, read, is_document: true })
             }
         }
     }

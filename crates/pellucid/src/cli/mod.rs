@@ -82,6 +82,13 @@ enum Command {
 
 /// Runs the command line and returns its exit code.
 pub fn main() -> ExitCode {
+    let tell = std::panic::take_hook();
+    // What a decoder's panic becomes is told like all errors.
+    std::panic::set_hook(Box::new(move |panic| {
+        if !pellucid::io::is_guarded() {
+            tell(panic)
+        }
+    }));
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) if asks_for_help(&error) => {

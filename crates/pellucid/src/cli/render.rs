@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use pellucid::field::memory;
 use pellucid::io::IoError;
-use pellucid::scene::{Cancel, Control, Format, Frame, ImageSettings, Scene, Source, Stage};
-use pellucid::{PngDepth, Progressive, Renderer, load, load_optics, save_exr, save_png};
+use pellucid::scene::{Cancel, Control, Format, Frame, ImageSettings, Scene, Stage};
+use pellucid::{PngDepth, Progressive, Renderer, save_exr, save_png};
 use serde_json::{Value, json};
 
 use super::engine::Engine;
@@ -104,7 +104,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     drawable(&scene, &base)?;
 
     let started = Instant::now();
-    let (volumes, warnings) = load(&scene, &base.folder)?;
+    let (volumes, warnings) = base.load(&scene)?;
     let load_seconds = started.elapsed().as_secs_f64();
     let Staged { scene, stage, mut choices, warnings: of_settings } = args.scene.stage(&base, scene, &volumes)?;
     let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
@@ -112,8 +112,9 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     warnings.extend(of_settings);
     report.opening(&volumes, &choices, &warnings);
     if let Some(path) = &args.output.save_scene {
-        save_scene(path, &scene.settled(&volumes)?, &base)?;
-        report.say(format_args!("wrote {}", path.display()));
+        let leaves = save_scene(path, &scene.settled(&volumes)?, &base)?;
+        let how = if leaves { ", which names files outside of its folder: draw it with --allow-outside" } else { "" };
+        report.say(format_args!("wrote {}{how}", path.display()));
     }
     let Some(output) = &args.output.output else { return Ok(()) };
 
@@ -217,7 +218,7 @@ pub fn drawable(scene: &Scene, base: &Base) -> Result<(), Failure> {
             "the scene lists {listed} volumes, and pictures are of one: keep one"
         )));
     }
-    Ok(load_optics(&mut scene.clone(), &base.folder)?)
+    Ok(base.load_optics(&mut scene.clone())?)
 }
 
 /// Refuses a picture that does not fit into memory, where the drawing would be killed; `frames` are
@@ -236,18 +237,24 @@ fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
 }
 
-/// Writes the scene so that it draws the same from where it lies now.
-fn save_scene(path: &Path, scene: &Scene, base: &Base) -> Result<(), Failure> {
+/// Writes the scene so that it draws the same from where it lies now: what is in its folder or below is named from
+/// there, and all else by its whole path. Whether there is any such.
+fn save_scene(path: &Path, scene: &Scene, base: &Base) -> Result<bool, Failure> {
     let mut scene = scene.clone();
-    for entry in &mut scene.volumes {
-        if let Source::File(file) | Source::Raw { path: file, .. } = &mut entry.source {
-            let from = base.folder.join(&*file);
-            *file = std::path::absolute(&from).map_err(Failure::reading(&from))?;
-        }
+    let home = std::path::absolute(path).map_err(Failure::reading(path))?;
+    let home = home.parent().and_then(|home| home.canonicalize().ok());
+    let mut leaves = false;
+    for file in scene.files_mut() {
+        let from = base.folder.join(&*file);
+        let inside =
+            home.as_ref().and_then(|home| from.canonicalize().ok()?.strip_prefix(home).ok().map(Path::to_owned));
+        leaves |= inside.is_none();
+        *file = inside.map_or_else(|| std::path::absolute(&from), Ok).map_err(Failure::reading(&from))?;
     }
     let format = Format::of(path).unwrap_or(Format::Toml);
     let text = scene.to_text(format).map_err(Failure::input)?;
-    output::write(path, &text)
+    output::write(path, &text)?;
+    Ok(leaves)
 }
 
 fn statistics(frame: &Frame) -> Value {

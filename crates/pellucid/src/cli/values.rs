@@ -54,6 +54,21 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
     Ok([u32::try_from(width).map_err(too_large)?, u32::try_from(height).map_err(too_large)?])
 }
 
+/// A number of bytes, with K, M, G or T for powers of 1024: `300M`.
+pub fn bytes(text: &str) -> Result<u64, String> {
+    let digits = text.trim_end_matches(['K', 'M', 'G', 'T']);
+    let unit = match &text[digits.len()..] {
+        "" => Some(1),
+        "K" => Some(1 << 10),
+        "M" => Some(1 << 20),
+        "G" => Some(1 << 30),
+        "T" => Some(1 << 40),
+        _ => None,
+    };
+    let bytes = digits.parse::<u64>().ok().zip(unit).and_then(|(number, unit)| number.checked_mul(unit));
+    bytes.ok_or_else(|| format!("'{text}' is not a number of bytes, such as 4000000, 300M or 8G"))
+}
+
 /// `on` or `off`.
 pub fn switch(text: &str) -> Result<bool, String> {
     match text {

@@ -4,7 +4,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pellucid::field::Volume;
-use pellucid::load;
 use pellucid::scene::{Choice, Frame, LookAt, Projection, Scene, Stage, View, Viewpoint};
 
 use super::meter::{Meter, Plan};
@@ -53,7 +52,7 @@ impl Subject {
         drawable(&scene, &base)?;
         check(&scene)?;
         let loading = Instant::now();
-        let (volumes, warnings) = load(&scene, &base.folder)?;
+        let (volumes, warnings) = base.load(&scene)?;
         let load_seconds = loading.elapsed().as_secs_f64();
         let choosing = Instant::now();
         let Staged { scene, mut stage, choices, warnings: of_settings } = flags.stage(&base, scene, &volumes)?;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use pellucid::io::{IoError, Limits, read_text};
 use pellucid::optics::{
     GradientWeight, Light, LightKind, Lighting, Material, Preset, Scale, TransferFunction, VolumeProperty,
 };
@@ -231,7 +232,11 @@ fn light(text: &str) -> Result<LightFlag, String> {
 }
 
 fn look_file(path: &str) -> Result<LookFile, String> {
-    let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
+    let text = read_text(path, &Limits::default()).map_err(|error| match error {
+        // The flag's name and the file's stand before it.
+        IoError::Io { source, .. } => source.to_string(),
+        other => other.to_string(),
+    })?;
     if path.to_lowercase().ends_with(".vp.json") {
         return slicer_file(&text);
     }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use pellucid::field::Volume;
 use pellucid::scene::{Camera, Choice, Scene, Stage, VolumeEntry};
-use pellucid::{load_optics, without_effect};
+use pellucid::without_effect;
 
 use super::failure::Failure;
 use super::input::Base;
@@ -66,11 +66,11 @@ impl SceneFlags {
     /// The stage of the scene that [`SceneFlags::apply`] made of `base`, once what flags leave to the
     /// loaded volumes is filled in, and its optics are read.
     pub fn stage(&self, base: &Base, mut scene: Scene, volumes: &[Arc<Volume>]) -> Result<Staged, Failure> {
-        load_optics(&mut scene, &base.folder)?;
+        base.load_optics(&mut scene)?;
         let (mut stage, mut choices) = scene.resolve(volumes)?;
         if let Some(settled) = self.settle(&base.scene, &stage, &choices)? {
             scene = settled;
-            load_optics(&mut scene, &base.folder)?;
+            base.load_optics(&mut scene)?;
             let first = choices;
             (stage, choices) = scene.resolve(volumes)?;
             // What was chosen to settle with stays chosen.

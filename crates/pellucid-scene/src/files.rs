@@ -1,0 +1,36 @@
+//! The files that a scene names.
+
+use std::path::PathBuf;
+
+use pellucid_optics::{Environment, SkySource};
+
+use crate::{HeightSource, ModelSource, Scene, Source, Technique};
+
+impl Scene {
+    /// Every name of a file in the scene, to be looked at or changed: volumes, maps of heights, phase functions, and
+    /// the picture of the sky.
+    pub fn files_mut(&mut self) -> Vec<&mut PathBuf> {
+        let mut files = Vec::new();
+        for entry in &mut self.volumes {
+            match &mut entry.source {
+                Source::File(path) | Source::Raw { path, .. } => files.push(path),
+                Source::Model(ModelSource::HeightField(land)) => {
+                    if let HeightSource::File(path) = &mut land.map {
+                        files.push(path);
+                    }
+                }
+                Source::Model(ModelSource::Clouds(_) | ModelSource::Spectral(_))
+                | Source::Sample(_)
+                | Source::Memory(_) => {}
+            }
+            files.extend(entry.scattering.phase.file_mut());
+        }
+        if let Technique::PathTrace(settings) = &mut self.technique
+            && let Environment::Image(image) = &mut settings.environment
+            && let SkySource::File(path) = &mut image.source
+        {
+            files.push(path);
+        }
+        files
+    }
+}
