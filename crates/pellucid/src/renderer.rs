@@ -172,12 +172,8 @@ impl Renderer {
     /// The same renderer with its CPU work on other threads: all of it if the processor draws, else what
     /// it does beside a graphics adapter (tables, blocks) and instead of it.
     pub fn on_threads(self, threads: Threads) -> Self {
-        #[cfg(feature = "gpu")]
-        let threads_of_cpu = threads.clone();
-        #[cfg(not(feature = "gpu"))]
-        let threads_of_cpu = threads;
         let engine = match self.engine {
-            Engine::Cpu(cpu) => Engine::Cpu(Box::new(cpu.on_threads(threads_of_cpu))),
+            Engine::Cpu(cpu) => Engine::Cpu(Box::new(cpu.on_threads(threads.clone()))),
             #[cfg(feature = "gpu")]
             engine @ Engine::Gpu(_) => engine,
         };
