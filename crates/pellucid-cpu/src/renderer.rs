@@ -95,7 +95,8 @@ impl CpuRenderer {
     pub fn render_into(&mut self, stage: &Stage, control: &Control, frame: &mut Frame) -> Result<(), RenderError> {
         let set = self.instructions();
         let Self { pool, tile, cache, tiles, .. } = self;
-        tiles.cover(stage.viewpoint.width, stage.viewpoint.height, tile.unwrap_or(TILE));
+        let chromatic = stage.holds_back_each_color();
+        tiles.cover(stage.viewpoint.width, stage.viewpoint.height, tile.unwrap_or(TILE), chromatic);
         match pool {
             Some(pool) => pool.install(|| render(stage, control, set, cache, tiles, frame)),
             None => render(stage, control, set, cache, tiles, frame),

@@ -104,6 +104,14 @@ pub struct Pixel {
     pub counts: [u32; 4],
 }
 
+/// The same where colours from behind are held back each in its own way.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct ChromaticPixel {
+    pub pixel: Pixel,
+    pub held_back: Four,
+}
+
 impl Frame {
     /// The parts that camera, grid, clips and optics give; the rest is the volume's and the tables'.
     pub fn new(stage: &Stage, volume: &StageVolume, region: &Region) -> Self {
@@ -215,6 +223,12 @@ impl Frame {
     pub fn set_nodes(&mut self, nodes: &Nodes) {
         (self.values[2], self.values[3]) = (nodes.origin(), nodes.scale());
         self.dims[3] = nodes.count() as u32;
+    }
+
+    /// How much data values would rise over the first voxel behind a cut: by the width of the transfer function.
+    pub fn set_rise(&mut self, nodes: &Nodes) {
+        let [low, high] = nodes.domain();
+        self.gradient_x[3] = if high > low { (high - low) as f32 } else { 1.0 };
     }
 
     /// How many blocks there are, of how many cells.

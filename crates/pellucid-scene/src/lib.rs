@@ -23,6 +23,7 @@ mod light_tables;
 mod locate;
 mod majorants;
 mod model_source;
+mod origin;
 mod quality;
 mod resolve;
 mod scene;

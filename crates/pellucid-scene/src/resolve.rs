@@ -11,6 +11,7 @@ use pellucid_optics::{
 
 use crate::auto;
 use crate::choice::Choice;
+use crate::origin::{counted_from, origin_of};
 use crate::{Crop, ImageSettings, Invalid, Mode, Quality, Region, Scene, Technique, Viewpoint, VolumeEntry};
 
 /// A volume with its optics, nothing left to choose.
@@ -32,6 +33,9 @@ pub struct StageVolume {
     pub perturbation: Perturbation,
     /// Where in the world this volume is not clipped or cropped away.
     pub region: Region,
+    /// The data value that all values count from, of the volume, its optics and isosurfaces: 0, or the smallest of
+    /// integers that single precision would not tell apart.
+    pub origin: f64,
 }
 
 impl StageVolume {
@@ -119,9 +123,10 @@ impl Scene {
         for (k, (entry, volume)) in self.volumes.iter().zip(volumes).enumerate() {
             staged.push(self.stage_volume(k, entry, volume, &mut choices)?);
         }
+        let technique = self.ordered_technique(staged.first().map_or(0.0, |volume| volume.origin));
         let corners: Vec<DVec3> = staged
             .iter()
-            .flat_map(|v| auto::framed_corners(&v.volume, v.component, &v.transfer_function, self.technique.mode()))
+            .flat_map(|v| auto::framed_corners(&v.volume, v.component, &v.transfer_function, technique.mode()))
             .collect();
         let ImageSettings { width, height, .. } = self.image;
         let viewpoint = self.camera.viewpoint(width as usize, height as usize, &corners);
@@ -134,7 +139,7 @@ impl Scene {
             light_model: self.lighting.model,
             volumes: staged,
             viewpoint,
-            technique: self.ordered_technique(),
+            technique,
             quality: self.quality.clone(),
             image: self.image.clone(),
             step: self.quality.step * smallest,
@@ -168,21 +173,32 @@ impl Scene {
         let path = format!("volumes[{k}]");
         let look = auto::look(entry, &volume, self.technique.mode(), choices)
             .map_err(|error| ResolveError::Optics { path, error })?;
+        let (origin, mut volume) = (origin_of(&volume), volume);
+        if let Some(origin) = origin {
+            let chosen =
+                format!("drawn as differences to {origin}, as single precision tells integers apart up to 2^24");
+            choices.push(Choice { setting: "values", chosen });
+            volume = counted_from(&volume, origin)?;
+        }
+        let origin = origin.unwrap_or_default();
         Ok(StageVolume {
             component: entry.component,
-            transfer_function: look.transfer_function,
+            transfer_function: look.transfer_function.counted_from(origin),
             material: look.material,
             gradient_weight: look.gradient_weight,
-            scattering: entry.scattering.clone(),
-            perturbation: entry.perturbation.clone(),
+            scattering: entry.scattering.clone().counted_from(origin),
+            perturbation: entry.perturbation.clone().counted_from(origin),
             region,
             volume,
+            origin,
         })
     }
 
-    fn ordered_technique(&self) -> Technique {
+    /// With isovalues in their order, less the value that those of the volume count from.
+    fn ordered_technique(&self, origin: f64) -> Technique {
         let mut technique = self.technique.clone();
         if let Some(Mode::Isosurface(surfaces)) = technique.mode_mut() {
+            surfaces.isovalues.iter_mut().for_each(|iso| iso.value -= origin);
             surfaces.isovalues.sort_by(|a, b| a.value.total_cmp(&b.value));
         }
         technique

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use pellucid_optics::{Chroma, ShadowRays, ShadowVolume, Shadows};
 
+use crate::origin::smallest_difference;
 use crate::{
     Classification, HalfAngle, Mode, PathTrace, Region, RenderWarning, Slice, Slicing, Stage, StageVolume, Technique,
 };
@@ -59,6 +60,16 @@ impl Stage {
             Technique::Slicing(_) | Technique::PathTrace(_) => false,
         };
         Chroma::of(&volume.scattering).filter(|_| composites)
+    }
+
+    /// Whether colours from behind are held back each in its own way, which one alpha cannot tell
+    /// ([`Frame::opacities`](crate::Frame)).
+    pub fn holds_back_each_color(&self) -> bool {
+        let by_paths = self.path_trace().is_some();
+        self.volumes.iter().any(|volume| match by_paths {
+            true => volume.scattering.extinction_factors().is_some(),
+            false => self.chroma(volume).is_some(),
+        })
     }
 
     /// Points of a light volume for each voxel and axis, if what is lit of a volume asks for one.
@@ -120,7 +131,17 @@ impl Stage {
                 Some(_) => None,
             }
         });
-        lights.chain(volumes).filter(move |_| !by_paths).map(|reason| RenderWarning::Fallback { reason })
+        let drawn = lights.chain(volumes).filter(move |_| !by_paths);
+        let volumes = self.volumes.iter().enumerate();
+        let merged = volumes.filter_map(|(number, staged)| {
+            let (range, gap) = (staged.volume.statistics(), smallest_difference(&staged.volume)?);
+            Some(format!(
+                "volumes[{number}] has integers from {} to {}, which are drawn in single precision: the largest are told \
+                 apart from {gap} on",
+                range.min, range.max
+            ))
+        });
+        drawn.chain(merged).map(|reason| RenderWarning::Fallback { reason })
     }
 
     /// The clips of a volume and, for a thick slice, the planes of its slab.

@@ -13,6 +13,9 @@ pub fn average(mean: &mut Frame, frame: &Frame, frames: u32) {
     let share = 1.0 / frames as f32;
     let colors = mean.color.par_iter_mut().zip(&frame.color).with_min_len(LEAST);
     colors.for_each(|(mean, color)| (0..4).for_each(|c| mean[c] += (color[c] - mean[c]) * share));
+    for (mean, opacities) in mean.opacities.iter_mut().zip(&frame.opacities) {
+        (0..3).for_each(|c| mean[c] += (opacities[c] - mean[c]) * share);
+    }
     let samples = mean.samples.par_iter_mut().zip(&frame.samples).with_min_len(LEAST);
     samples.for_each(|(sum, samples)| *sum = sum.saturating_add(*samples));
     let noise = mean.noise.par_iter_mut().zip(&frame.noise).with_min_len(LEAST);
