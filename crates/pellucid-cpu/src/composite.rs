@@ -4,6 +4,7 @@ use pellucid_optics::Chroma;
 
 use crate::chroma;
 use crate::classify::{Classified, Classify, Segments};
+use crate::cut::{Cut, Cuts};
 use crate::field::Field;
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
@@ -22,6 +23,8 @@ pub struct Medium<'a, S, F> {
     pub field: F,
     /// Light, if surfaces are shaded.
     pub surface: Option<Surface<'a, S>>,
+    /// Where matter is cut.
+    pub cuts: Cuts,
     /// Blocks that can contribute, if empty space is skipped.
     pub skip: Option<&'a SkipGrid>,
     /// The strides that blocks allow, if steps adapt to the data.
@@ -37,26 +40,44 @@ struct Accumulator<S: Lanes> {
     color: [F32<S>; 4],
     /// Distance at which opacity first reached one half.
     half: F32<S>,
-    aim: Option<Aim<S>>,
+    /// What light needs of the ray, if samples are lit.
+    lit: Option<Ray<S>>,
+}
+
+/// How a ray that is lit came in.
+struct Ray<S: Lanes> {
+    aim: Aim<S>,
+    cut: Cut<S>,
 }
 
 impl<S: Lanes, F: Field<S>> Medium<'_, S, F> {
     #[inline(always)]
-    fn start(&self, packet: &Packet) -> Accumulator<S> {
+    fn start(&self, packet: &Packet, rays: &Rays<S>) -> Accumulator<S> {
         let (s, zero) = (self.s, splat(self.s, 0.0));
         let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
-        let aim = self.surface.as_ref().map(
+        let lit = self.surface.as_ref().map(
             #[inline(always)]
-            |surface| surface.aim(s, to_eye),
+            |surface| Ray { aim: surface.aim(s, to_eye), cut: self.cut(rays) },
         );
-        Accumulator { color: [zero; 4], half: splat(s, f32::INFINITY), aim }
+        Accumulator { color: [zero; 4], half: splat(s, f32::INFINITY), lit }
+    }
+
+    #[inline(always)]
+    fn cut(&self, rays: &Rays<S>) -> Cut<S> {
+        self.cuts.met(self.s, &rays.origin, &rays.direction)
     }
 
     /// Shades associated samples, if samples are lit.
     #[inline(always)]
-    fn lit(&self, aim: &Option<Aim<S>>, sample: &Unlit<S>, gradients: impl FnOnce() -> Vec3<S>) -> [F32<S>; 4] {
-        let (Some(surface), Some(aim)) = (&self.surface, aim) else { return sample.rgba };
-        surface.shade(self.s, sample, aim, gradients)
+    fn lit(&self, ray: &Option<Ray<S>>, sample: &Unlit<S>, gradients: impl FnOnce() -> Vec3<S>) -> [F32<S>; 4] {
+        let (Some(surface), Some(Ray { aim, cut })) = (&self.surface, ray) else { return sample.rgba };
+        surface.shade(
+            self.s,
+            sample,
+            aim,
+            #[inline(always)]
+            || if surface.weighs_gradients() { gradients() } else { cut.gradients(self.s, &sample.index, gradients()) },
+        )
     }
 
     /// Adds samples behind what is there. Returns the rays that are done.
@@ -80,13 +101,17 @@ impl<S: Lanes, F: Field<S>> Medium<'_, S, F> {
     fn finish(&self, ray: &Accumulator<S>, rays: &Rays<S>, traced: &mut Traced) {
         let [r, g, b, alpha] = ray.color;
         traced.set_color::<S>([r, g, b, chroma::coverage(self.s, self.chroma.as_ref(), alpha)]);
+        if self.chroma.is_some() {
+            traced.set_opacities::<S>(chroma::opacities(self.s, self.chroma.as_ref(), alpha));
+        }
         let met = ray.half.is_finite();
         let mut normal = [splat(self.s, 0.0); 3];
         if met.any_true() {
             let index = rays.at(met.select(ray.half, splat(self.s, 0.0)));
             let value = self.field.values(self.s, index, met);
             let present = value.is_finite();
-            let found = normals(self.s, self.field.gradients(self.s, index, met)).0;
+            let gradient = self.cut(rays).gradients(self.s, &index, self.field.gradients(self.s, index, met));
+            let found = normals(self.s, gradient).0;
             normal = xyz!(I => present.select(found[I], splat(self.s, 0.0)));
         }
         traced.set_surface(self.s, met, ray.half, normal);
@@ -126,7 +151,8 @@ impl<S: Lanes, F: Field<S>, C: Classify> Composite<'_, S, F, C> {
                 for packet in wave {
                     let (rays, counter) = (Rays::new(s, packet), Counter::new(s));
                     let march = March::new(s, &rays, medium.levels);
-                    followed.push(Followed { rays, march, counter, ray: medium.start(packet), open: true });
+                    let ray = medium.start(packet, &rays);
+                    followed.push(Followed { rays, march, counter, ray, open: true });
                 }
                 while followed.iter().any(|packet| packet.open) {
                     for packet in followed.iter_mut().filter(|packet| packet.open) {
@@ -154,7 +180,7 @@ impl<S: Lanes, F: Field<S>, C: Classify> Composite<'_, S, F, C> {
                                 }
                                 if let Some(near) = near {
                                     rgba = medium.lit(
-                                        &ray.aim,
+                                        &ray.lit,
                                         &Unlit { rgba, value, index: sample.index, lanes: visible },
                                         #[inline(always)]
                                         || medium.field.gradients_near(s, &near, visible),
@@ -208,7 +234,7 @@ impl<S: Lanes, F: Field<S>, V: Vary> Integrator for PreIntegrated<'_, S, F, V> {
             tally,
             #[inline(always)]
             |packet, rays, traced, counter| {
-                let mut ray = medium.start(packet);
+                let mut ray = medium.start(packet, rays);
                 let (skip, field) = (medium.skip, &medium.field);
                 let mut compositing = Compositing { mode: self, rays, ray: &mut ray };
                 each_segment(s, field, rays, skip, counter, &mut compositing);
@@ -240,7 +266,7 @@ impl<S: Lanes, F: Field<S>, V: Vary> Visit<S> for Compositing<'_, S, F, V> {
         let rgba = self.mode.vary.vary(medium.s, &index, rgba);
         let value = (front.is_finite().select(front, back) + back.is_finite().select(back, front)) * 0.5;
         let rgba = medium.lit(
-            &self.ray.aim,
+            &self.ray.lit,
             &Unlit { rgba, value, index, lanes: visible },
             #[inline(always)]
             || medium.field.gradients(medium.s, index, visible),

@@ -8,6 +8,8 @@ use crate::packet::{Packet, PerLane, Rays};
 pub struct Traced {
     /// Associated linear RGBA.
     pub color: [PerLane; 4],
+    /// What is held back of each colour from behind, where that is told of each.
+    pub opacities: [PerLane; 3],
     /// Distance from the entry in steps; infinite where nothing was met.
     pub depth: PerLane,
     /// Unit world normal at that depth, or zero.
@@ -20,6 +22,7 @@ impl Traced {
     /// Rays that met nothing.
     pub const NOTHING: Self = Self {
         color: [[0.0; MOST_LANES]; 4],
+        opacities: [[0.0; MOST_LANES]; 3],
         depth: [f32::INFINITY; MOST_LANES],
         normal: [[0.0; MOST_LANES]; 3],
         samples: [0.0; MOST_LANES],
@@ -29,6 +32,7 @@ impl Traced {
     pub fn ray(&self, lane: usize, packet: &Packet, step: f64) -> Found {
         Found {
             color: self.color.map(|lanes| lanes[lane]),
+            opacities: self.opacities.map(|lanes| lanes[lane]),
             depth: (packet.entry[lane] + f64::from(self.depth[lane]) * step) as f32,
             normal: self.normal.map(|lanes| lanes[lane]),
             samples: self.samples[lane] as u32,
@@ -39,6 +43,14 @@ impl Traced {
     #[inline(always)]
     pub fn set_color<S: Lanes>(&mut self, color: [F32<S>; 4]) {
         for (place, lanes) in self.color.iter_mut().zip(color) {
+            store::<S>(lanes, place);
+        }
+    }
+
+    /// Writes down what is held back of each colour from behind.
+    #[inline(always)]
+    pub fn set_opacities<S: Lanes>(&mut self, opacities: [F32<S>; 3]) {
+        for (place, lanes) in self.opacities.iter_mut().zip(opacities) {
             store::<S>(lanes, place);
         }
     }
@@ -58,6 +70,8 @@ impl Traced {
 pub struct Found {
     /// Associated linear RGBA.
     pub color: [f32; 4],
+    /// What is held back of each colour from behind, where that is told of each.
+    pub opacities: [f32; 3],
     /// Distance from the eye in world units; infinite where nothing was met.
     pub depth: f32,
     /// Unit world normal at that depth, or zero.

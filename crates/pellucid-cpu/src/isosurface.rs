@@ -3,11 +3,11 @@
 use pellucid_optics::{ColorSpace, TransferFunction};
 use pellucid_scene::Isovalue;
 
-use crate::field::Field;
+use crate::field::{Field, Knots};
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
 use crate::packet::{Packet, Rays};
-use crate::segments::{Segment, Verdict, Visit, each_segment};
+use crate::segments::{Segment, Verdict, Visit, each_surface};
 use crate::skip::SkipGrid;
 use crate::surface::{Aim, Surface, Unlit, normals};
 
@@ -40,6 +40,8 @@ pub struct Isosurfaces<'a, S, F> {
     pub surface: Option<Surface<'a, S>>,
     /// The surfaces, in ascending order.
     pub levels: Vec<Level>,
+    /// Turns a gradient per index step into one per world unit.
+    pub world_from_index_gradient: [[f32; 3]; 3],
     /// Blocks that hold a surface, if the others are skipped.
     pub skip: Option<&'a SkipGrid>,
     /// Opacity at which a ray stops.
@@ -66,7 +68,6 @@ struct Met<S: Lanes> {
     color: [F32<S>; 4],
     depth: F32<S>,
     normal: Vec3<S>,
-    to_eye: Vec3<S>,
     aim: Option<Aim<S>>,
 }
 
@@ -90,10 +91,10 @@ impl<S: Lanes, F: Field<S>> Integrator for Isosurfaces<'_, S, F> {
                     #[inline(always)]
                     |surface| surface.aim(s, to_eye),
                 );
-                let met = Met { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], to_eye, aim };
+                let met = Met { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], aim };
                 let crossed = Crossed { distance: [zero; 2], value: [zero; 2], lanes: none };
                 let mut search = Search { mode: self, rays, crossed, met };
-                each_segment(s, &self.field, rays, self.skip, counter, &mut search);
+                each_surface(s, &self.field, rays, self.skip, counter, &mut search);
                 let met = search.met;
                 traced.set_color::<S>(met.color);
                 traced.set_surface(s, met.depth.is_finite(), met.depth, met.normal);
@@ -159,9 +160,13 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
                 continue;
             }
             counter.see(lanes);
-            let distance = self.root(rays, crossed, level, lanes);
+            let (distance, gradient) = if self.field.knots() == Knots::FACES {
+                (crossed.distance[0], self.across_face(rays, crossed))
+            } else {
+                let distance = self.root(rays, crossed, level, lanes);
+                (distance, self.field.gradients(s, rays.at(distance), lanes))
+            };
             let index = rays.at(distance);
-            let gradient = self.field.gradients(s, index, lanes);
             let base = xyz!(C => rising.select(splat(s, up.color[C]), splat(s, down.color[C])));
             let opacity = rising.select(splat(s, up.opacity), splat(s, down.opacity));
             let mut rgba = [base[0] * opacity, base[1] * opacity, base[2] * opacity, opacity];
@@ -179,15 +184,31 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
             met.color = rgba!(C => through.mul_add(rgba[C], met.color[C]));
             let first = lanes & met.depth.simd_eq(splat(s, f32::INFINITY));
             let normal = normals(s, gradient).0;
-            let away = dot::<S>(normal, met.to_eye).simd_lt(splat(s, 0.0));
             met.depth = first.select(distance, met.depth);
-            for axis in 0..3 {
-                let toward_eye = away.select(-normal[axis], normal[axis]);
-                met.normal[axis] = first.select(toward_eye, met.normal[axis]);
-            }
+            met.normal = xyz!(I => first.select(normal[I], met.normal[I]));
             done |= lanes & met.color[3].simd_ge(splat(s, self.early_termination));
         }
         done
+    }
+
+    /// Gradients of a field of nearest voxels where rays pass the face between two: the jump from the one to the
+    /// other, one voxel on. Central differences would be those of other voxels.
+    #[inline(always)]
+    fn across_face(&self, rays: &Rays<S>, crossed: &Crossed<S>) -> Vec3<S> {
+        let zero = splat(self.s, 0.0);
+        // Which of the planes half way between voxels is passed here, in steps off.
+        let off = xyz!(I => {
+            let place = rays.direction[I].mul_add(crossed.distance[0], rays.origin[I]) + 0.5;
+            ((place - (place + 0.5).floor()) * rays.inverse[I]).abs()
+        });
+        let nearest = off[0].min(off[1]).min(off[2]);
+        let x = off[0].simd_le(nearest);
+        let y = !x & off[1].simd_le(nearest);
+        let jump = crossed.value[1] - crossed.value[0];
+        let rise = xyz!(I => rays.inverse[I].simd_gt(zero).select(jump, -jump));
+        let slope = [x.select(rise[0], zero), y.select(rise[1], zero), (x | y).select(zero, rise[2])];
+        let [a, b, c] = &self.world_from_index_gradient;
+        xyz!(I => slope[0] * a[I] + slope[1] * b[I] + slope[2] * c[I])
     }
 
     /// Where the field passes `level` between two distances whose values bracket it: regula falsi

@@ -7,9 +7,11 @@
 //! the samples. What runs per sample is written once and compiled for every instruction set
 //! (`lanes`).
 
+mod cells;
 mod chroma;
 mod classify;
 mod composite;
+mod cut;
 mod error;
 mod field;
 mod half_angle;

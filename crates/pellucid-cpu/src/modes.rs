@@ -82,6 +82,7 @@ impl Prepared<'_> {
                 field,
                 surface,
                 levels: self.levels(isosurface),
+                world_from_index_gradient: self.grid().world_from_index_gradient().as_mat3().to_cols_array_2d(),
                 skip: self.grids.skip.as_ref(),
                 early_termination,
             }),
@@ -172,7 +173,7 @@ impl Prepared<'_> {
         let early_termination = self.stage.quality.early_termination;
         let (skip, levels) = (self.grids.skip.as_ref(), self.grids.levels.as_ref());
         let chroma = self.stage.chroma(self.volume);
-        Medium { s, field, surface, skip, levels, chroma, early_termination }
+        Medium { s, field, surface, cuts: self.cuts(), skip, levels, chroma, early_termination }
     }
 
     fn extreme<'a, S: Lanes, F: Field<S> + 'a>(

@@ -8,6 +8,8 @@ use pellucid_optics::{ResolvedLight, ShadowVolume, Shadows, StepTable};
 use pellucid_scene::{BlockContent, BlockMap, Control, Mode, Region, Stage, StageVolume, TableCache, Tables};
 
 use crate::RenderError;
+use crate::cut::Cuts;
+use crate::field::Bounds;
 use crate::lanes::InstructionSet;
 use crate::shadow::LightVolume;
 use crate::skip::{ExtremeGrid, Levels, SkipGrid};
@@ -165,6 +167,13 @@ impl<'s> Prepared<'s> {
     /// Associated colours of one step.
     pub fn step_table(&self) -> &StepTable {
         self.tables.scattered_steps()
+    }
+
+    /// Where clips and the box cut through matter; a step of the transfer function's width is as steep as that.
+    pub fn cuts(&self) -> Cuts {
+        let [low, high] = self.tables.table.nodes().domain();
+        let rise = if high > low { (high - low) as f32 } else { 1.0 };
+        Cuts::new(Bounds::new(self.grid(), &self.region), self.grid().world_from_index_gradient(), rise)
     }
 
     /// Whether anything of the volume answers light.

@@ -1,14 +1,15 @@
 //! Projections: what a ray makes of its values without an order (1.4-10, 1.4-11).
 
+use crate::cells::{self, Cells};
 use crate::classify::Lookup;
 use crate::field::Field;
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
 use crate::packet::{Packet, Rays};
-use crate::samples::{March, RUN, Sample, sample};
+use crate::samples::March;
 use crate::skip::{ExtremeGrid, SkipGrid};
 
-/// The largest or the smallest value.
+/// The largest or the smallest value of the field on a ray: exact where the field is trilinear, whatever the step.
 pub struct Extreme<'a, S, F> {
     /// The instruction set.
     pub s: S,
@@ -36,9 +37,10 @@ impl<S: Lanes, F: Field<S>> Integrator for Extreme<'_, S, F> {
             || {
                 let mut searches: Vec<Search<S>> = Vec::with_capacity(wave.len());
                 for packet in wave {
-                    let (rays, counter, k) = (Rays::new(s, packet), Counter::new(s), splat(s, 0.0));
+                    let (rays, counter) = (Rays::new(s, packet), Counter::new(s));
+                    let cells = Cells::new(s, &rays, self.field.knots());
                     let (best, depth) = (splat(s, f32::NEG_INFINITY), splat(s, f32::INFINITY));
-                    searches.push(Search { rays, counter, k, best, depth, open: true });
+                    searches.push(Search { rays, counter, cells, best, depth, open: true });
                 }
                 while searches.iter().any(|search| search.open) {
                     for search in searches.iter_mut().filter(|search| search.open) {
@@ -60,7 +62,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Extreme<'_, S, F> {
 struct Search<S: Lanes> {
     rays: Rays<S>,
     counter: Counter<S>,
-    k: F32<S>,
+    cells: Cells<S>,
     best: F32<S>,
     depth: F32<S>,
     open: bool,
@@ -73,34 +75,35 @@ impl<S: Lanes, F: Field<S>> Extreme<'_, S, F> {
         if self.minimum { -1.0 } else { 1.0 }
     }
 
-    /// Looks at the next samples that may exceed the best.
+    /// Looks at the next pieces that may exceed the best.
     #[inline(always)]
     fn run(&self, search: &mut Search<S>) {
-        let (s, sign) = (self.s, self.sign());
-        let Search { rays, counter, .. } = search;
-        let (mut k, mut best, mut depth) = (search.k, search.best, search.depth);
+        let s = self.s;
+        let Search { rays, counter, cells, .. } = search;
+        let (mut best, mut depth) = (search.best, search.depth);
         if let Some(skip) = self.skip {
-            let to = skip.leap(s, rays, k, best);
-            counter.skip(to.min(rays.count) - k);
-            k = to;
+            let from = cells.ends[0];
+            skip.leap(s, rays, cells, best);
+            counter.skip(cells.ends[0].min(rays.length()).max(from) - from);
         }
-        for number in 0..RUN {
-            let Sample { distance, index, lanes, .. } = sample(s, rays, k, rays.has(k));
+        for number in 0..cells::RUN {
+            let lanes = cells.are_there();
             if !lanes.any_true() {
                 break;
             }
             if number % 2 == 0 {
-                self.field.prefetch(s, rays.at(k + RUN as f32));
+                self.field.prefetch(s, rays.at(cells.middle() + cells::RUN as f32));
             }
             counter.sample(lanes);
-            let value = self.field.values(s, index, lanes) * sign;
+            let [from, to] = cells.ends;
+            let [value, part] = self.field.highest(s, &[rays.at(from), rays.at(to)], self.sign(), best, lanes);
             let better = lanes & value.simd_gt(best);
             best = better.select(value, best);
-            depth = better.select(distance, depth);
-            k += 1.0;
+            depth = better.select(lerp::<S>(part, from, to), depth);
+            cells.advance(s, lanes);
         }
-        search.open = rays.has(k).any_true();
-        (search.k, search.best, search.depth) = (k, best, depth);
+        search.open = cells.are_there().any_true();
+        (search.best, search.depth) = (best, depth);
     }
 }
 

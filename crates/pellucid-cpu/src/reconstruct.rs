@@ -3,7 +3,7 @@
 use pellucid_field::{ComponentView, Filter, Gradient, Linear, Reconstruct, Sampler, Voxels, for_voxels};
 
 use crate::RenderError;
-use crate::field::{Any, Bounds, Displaced, Entered, Field, General, Probe, Separable, Texel, Trilinear, fits};
+use crate::field::{Any, Bounds, Displaced, Entered, Field, General, Knots, Probe, Separable, Texel, Trilinear, fits};
 use crate::lanes::Lanes;
 use crate::prepare::Prepared;
 
@@ -58,11 +58,12 @@ impl Prepared<'_> {
     }
 
     fn undisplaced<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
+        let knots = self.knots(sampler.filter());
         let boxed = match self.tables.field.voxels() {
             Voxels::U32(_) | Voxels::I32(_) if !fits(&self.tables.field) => None,
             voxels => for_voxels!(voxels, data => self.boxed(data, &sampler)),
         };
-        Any(boxed.unwrap_or_else(|| Box::new(Entered(General(self.probe(sampler))))))
+        Any(boxed.unwrap_or_else(|| Box::new(Entered(General(self.probe(sampler), knots)))))
     }
 
     fn boxed<'a, S: Lanes, T: Texel>(&'a self, data: &'a [T], sampler: &Sampler<'a>) -> Option<Box<dyn Field<S> + 'a>> {
@@ -72,7 +73,8 @@ impl Prepared<'_> {
         }
         let view = ComponentView::new(&self.tables.field, data, self.tables.component);
         let bounds = Bounds::new(self.grid(), &self.region);
-        let field = Separable::new(view, bounds, gradient, trilinear, self.probe(sampler.clone()))?;
+        let knots = self.knots(sampler.filter());
+        let field = Separable::new(view, bounds, gradient, trilinear, knots, self.probe(sampler.clone()))?;
         Some(Box::new(Entered(field)))
     }
 
@@ -80,8 +82,18 @@ impl Prepared<'_> {
         Probe::new(field, self.grid(), &self.region, self.stage.quality.gradient)
     }
 
+    /// Whether some voxels are absent.
+    fn has_holes(&self) -> bool {
+        let statistics = self.tables.field.statistics();
+        statistics.nan + statistics.infinite > 0
+    }
+
+    fn knots(&self, filter: Filter) -> Knots {
+        Knots::new(filter, self.has_holes())
+    }
+
     fn trilinear<'a, T: Texel>(&'a self, data: &'a [T]) -> Option<Trilinear<'a, T>> {
         let view = ComponentView::new(&self.tables.field, data, self.tables.component);
-        Trilinear::new(view, Bounds::new(self.grid(), &self.region), self.probe(Linear(view)))
+        Trilinear::new(view, self.has_holes(), Bounds::new(self.grid(), &self.region), self.probe(Linear(view)))
     }
 }

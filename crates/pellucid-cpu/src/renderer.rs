@@ -100,7 +100,7 @@ impl CpuRenderer {
             memory::afford(width.saturating_mul(height).saturating_mul(2 * Frame::PIXEL_BYTES))?;
         }
         let Self { threads, tile, cache, tiles, .. } = self;
-        tiles.cover(width, height, tile.unwrap_or(TILE));
+        tiles.cover(width, height, tile.unwrap_or(TILE), stage.holds_back_each_color());
         let work = || render(stage, control, set, cache, tiles, frame);
         match threads {
             Some(threads) => threads.run(work),

@@ -1,6 +1,7 @@
 //! The walk over segments between the nodes of a lattice, for modes that look at pairs of values.
 
-use crate::field::Field;
+use crate::cells::{self, Cells};
+use crate::field::{Field, Knots};
 use crate::integrator::Counter;
 use crate::lanes::*;
 use crate::packet::Rays;
@@ -108,6 +109,78 @@ pub fn each_segment<S: Lanes, F: Field<S>>(
             open = waiting & !done;
             waiting = all(s, false);
             carried = false;
+        }
+    }
+}
+
+/// Visits what surfaces are looked for on: [segments](each_segment), or, of nearest voxels, their faces.
+#[inline(always)]
+pub fn each_surface<S: Lanes, F: Field<S>>(
+    s: S,
+    field: &F,
+    rays: &Rays<S>,
+    skip: Option<&SkipGrid>,
+    counter: &mut Counter<S>,
+    visitor: &mut impl Visit<S>,
+) {
+    if field.knots() == Knots::FACES {
+        each_face(s, field, rays, skip, counter, visitor);
+    } else {
+        each_segment(s, field, rays, skip, counter, visitor);
+    }
+}
+
+/// Visits the faces between voxels where a field jumps from the value of one to that of the other: segments of
+/// no length. Between nodes of a lattice corners of voxels would be missed.
+#[inline(always)]
+fn each_face<S: Lanes, F: Field<S>>(
+    s: S,
+    field: &F,
+    rays: &Rays<S>,
+    skip: Option<&SkipGrid>,
+    counter: &mut Counter<S>,
+    visitor: &mut impl Visit<S>,
+) {
+    let (zero, absent) = (splat(s, 0.0), splat(s, f32::NAN));
+    let mut cells = Cells::new(s, rays, Knots::FACES);
+    let mut open = rays.count.simd_gt(zero);
+    let mut waiting = all(s, false);
+    // The value in front of the cell; there is no face at the entry, nor behind what is leapt over.
+    let mut front = absent;
+    loop {
+        if let Some(skip) = skip {
+            let (from, middle) = (cells.ends[0], cells.middle());
+            let way = skip.way(s, &rays.at(middle), &rays.inverse);
+            // Only to another cell, or there would be no end.
+            let leaps = open & (middle + way).simd_gt(cells.ends[1]);
+            cells.leap(s, middle + way, leaps);
+            front = leaps.select(absent, front);
+            counter.skip(cells.ends[0].min(rays.length()).max(from) - from);
+        }
+        for _ in 0..cells::RUN {
+            open &= cells.are_there();
+            if !open.any_true() {
+                break;
+            }
+            let back = field.values(s, rays.at(cells.middle()), open);
+            counter.sample(open);
+            let face = cells.ends[0];
+            let segment = Segment { distance: [face, face], length: zero, value: [front, back], lanes: open };
+            let Verdict { done, wait } = visitor.visit(&segment, counter);
+            front = open.select(back, front);
+            cells.advance(s, open);
+            counter.terminate(done & open);
+            waiting |= wait & open;
+            open &= !(done | wait);
+        }
+        if !open.any_true() {
+            if !waiting.any_true() {
+                return;
+            }
+            let done = visitor.resume(s, counter) & waiting;
+            counter.terminate(done);
+            open = waiting & !done;
+            waiting = all(s, false);
         }
     }
 }

@@ -5,6 +5,7 @@
 
 use pellucid_scene::BlockMap;
 
+use crate::cells::Cells;
 use crate::lanes::*;
 use crate::packet::Rays;
 
@@ -121,6 +122,15 @@ impl SkipGrid {
         (words & 0xff).to_float()
     }
 
+    /// How many steps lead from a position to where something may be, or a little less; 0 where something may be
+    /// here.
+    #[inline(always)]
+    pub fn way<S: Lanes>(&self, s: S, p: &Vec3<S>, inverse: &Vec3<S>) -> F32<S> {
+        let met = self.layout.meet(s, p);
+        let (reach, zero) = (self.distance(s, &met), splat(s, 0.0));
+        reach.simd_gt(zero).select(self.layout.leave(s, p, &met, reach, inverse).max(zero), zero)
+    }
+
     /// The first sample or node from number k on, in every open lane, that may contribute, or one
     /// beyond the last.
     #[inline(always)]
@@ -187,25 +197,27 @@ impl ExtremeGrid {
         Self { layout: Layout::new(blocks), extremes }
     }
 
-    /// The first sample from k on, in every lane, that may exceed `best`, or one beyond the last.
+    /// Goes on to the first cells, in every lane, that may exceed `best`.
     #[inline(always)]
-    pub fn leap<S: Lanes>(&self, s: S, rays: &Rays<S>, mut k: F32<S>, best: F32<S>) -> F32<S> {
-        let one = splat(s, 1.0);
+    pub fn leap<S: Lanes>(&self, s: S, rays: &Rays<S>, cells: &mut Cells<S>, best: F32<S>) {
         loop {
-            let p = rays.at(rays.sample(s, k));
+            let middle = cells.middle();
+            let p = rays.at(middle);
             let met = self.layout.meet(s, &p);
             // SAFETY: `meet` limits positions to the grid, every cell of which has its block.
             let extremes = unsafe { s.gather_rows::<2>(self.extremes.as_ptr().cast(), met.number) };
-            let dull = rays.has(k) & extremes[0].simd_le(best);
+            let dull = cells.are_there() & extremes[0].simd_le(best);
             if !dull.any_true() {
-                return k;
+                return;
             }
-            let mut reach = one;
+            let mut reach = splat(s, 1.0);
             for further in 1..REACHES.len() {
                 reach = extremes[further].simd_le(best).select(splat(s, REACHES[further]), reach);
             }
             let steps = self.layout.leave(s, &p, &met, reach, &rays.inverse);
-            k = dull.select(k + steps.ceil().max(one), k);
+            // To the last cell inside, and over it.
+            cells.leap(s, middle + steps.max(splat(s, 0.0)), dull);
+            cells.advance(s, dull);
         }
     }
 }

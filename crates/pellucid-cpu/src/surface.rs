@@ -142,6 +142,11 @@ impl<'a, S: Lanes> Surface<'a, S> {
         Self { scatter: Some(scatter), ..self }
     }
 
+    /// Whether it depends on the length of a gradient, not on its direction alone.
+    pub fn weighs_gradients(&self) -> bool {
+        self.weight.is_some() || self.scatter.as_ref().is_some_and(|scatter| scatter.by_gradient().is_some())
+    }
+
     /// What the directional lights need of rays, once for all of their samples.
     #[inline(always)]
     pub fn aim(&self, s: S, to_eye: Vec3<S>) -> Aim<S> {

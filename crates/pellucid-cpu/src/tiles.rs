@@ -22,7 +22,10 @@ pub struct Tile {
     pub width: usize,
     /// Rows.
     pub height: usize,
+    /// Whether it is told of each colour what is held back.
+    chromatic: bool,
     color: Vec<[f32; 4]>,
+    opacities: Vec<[f32; 3]>,
     depth: Vec<f32>,
     normal: Vec<[f32; 3]>,
     samples: Vec<u32>,
@@ -49,6 +52,8 @@ impl Tile {
         let n = self.width * self.height;
         self.color.clear();
         self.color.resize(n, [0.0; 4]);
+        self.opacities.clear();
+        self.opacities.resize(if self.chromatic { n } else { 0 }, [0.0; 3]);
         self.depth.clear();
         self.depth.resize(n, f32::INFINITY);
         self.normal.clear();
@@ -72,6 +77,11 @@ impl Tile {
         for (sum, channel) in self.color[pixel].iter_mut().zip(found.color) {
             *sum += channel * weight;
         }
+        if let Some(opacities) = self.opacities.get_mut(pixel) {
+            for (sum, opacity) in opacities.iter_mut().zip(found.opacities) {
+                *sum += opacity * weight;
+            }
+        }
         self.samples[pixel] += found.samples;
         if found.depth < self.depth[pixel] {
             self.depth[pixel] = found.depth;
@@ -90,8 +100,11 @@ pub struct Tiles {
 }
 
 impl Tiles {
-    /// Covers a picture with tiles of a side.
-    pub fn cover(&mut self, width: usize, height: usize, side: usize) {
+    /// Covers a picture with tiles of a side; `chromatic` if it is told of each colour what is held back.
+    pub fn cover(&mut self, width: usize, height: usize, side: usize, chromatic: bool) {
+        if self.tiles.first().is_none_or(|tile| tile.chromatic != chromatic) {
+            self.layout = [0; 3];
+        }
         if self.layout == [width, height, side] {
             return;
         }
@@ -102,6 +115,7 @@ impl Tiles {
         for (number, tile) in self.tiles[..self.count].iter_mut().enumerate() {
             let (x, y) = (number % columns * side, number / columns * side);
             tile.place(x, y, side.min(width - x), side.min(height - y));
+            tile.chromatic = chromatic;
         }
     }
 
@@ -143,7 +157,15 @@ impl Tiles {
 
     /// Puts the tiles together.
     pub fn assemble(&self, frame: &mut Frame) {
-        let [width, _, side] = self.layout;
+        let [width, height, side] = self.layout;
+        let chromatic = self.all().iter().any(|tile| tile.chromatic);
+        frame.opacities.resize(if chromatic { width * height } else { 0 }, [0.0; 3]);
+        for tile in self.all().iter().filter(|tile| tile.chromatic) {
+            for (row, opacities) in tile.opacities.chunks_exact(tile.width).enumerate() {
+                let place = (tile.y + row) * width + tile.x;
+                frame.opacities[place..place + tile.width].copy_from_slice(opacities);
+            }
+        }
         let columns = width.div_ceil(side);
         let band = side * width;
         let color = frame.color.par_chunks_mut(band);

@@ -8,7 +8,9 @@ use pellucid_optics::{
     Color, ColorSpace, Light, LightKind, LightModel, Phase, PhaseNormalization, Scattering, ShadowRays, Shadows,
     srgb_encode,
 };
-use pellucid_scene::{Frame, HalfAngle, InScatter, Orbit, Projection, Scene, Stage, Technique, View};
+use pellucid_scene::{
+    Background, Frame, HalfAngle, InScatter, Orbit, PathTrace, Projection, RayCast, Scene, Stage, Technique, View,
+};
 
 /// A colour of these linear factors.
 fn factors(linear: [f32; 3]) -> Color {
@@ -46,6 +48,42 @@ fn layers_hide_each_colour_in_their_own_way() {
             coverage += (1.0 - near * far) / 3.0;
         }
         assert!((f64::from(found[3]) - coverage).abs() < 0.004, "{linear:?}: {}, exact {coverage}", found[3]);
+    }
+}
+
+/// Over a background each colour of that comes through its own extinction, and none of it is gained; what a
+/// transparent one is left with is the mean.
+#[test]
+fn each_colour_of_a_background_comes_through_in_its_own_way() {
+    let linear = [1.0f32, 0.3, 0.05];
+    let techniques = [
+        Technique::RayCast(RayCast::default()),
+        Technique::HalfAngle(HalfAngle::default()),
+        Technique::PathTrace(PathTrace { samples: 4096, noise: 0.0, bounces: 0, ..PathTrace::default() }),
+    ];
+    for technique in techniques {
+        let tolerance = if matches!(technique, Technique::PathTrace(_)) { 0.03 } else { 1e-4 };
+        let tf = transfer_function(&[(0.0, 0x000000)], &[(0.0, 0.2)]);
+        let stage = stage(unit_volume([9, 11, 9], |_| 1.0), tf, |scene| {
+            along_y(scene, Some(factors(linear)));
+            (scene.image.width, scene.image.height) = (4, 4);
+            scene.lighting.lights = vec![Light::new(LightKind::Directional { direction: [0.3, 1.0, 0.2] })];
+            scene.lighting.ambient = 0.0;
+            scene.image.background = Background::Color(Color::new([1.0, 0.8, 0.9]).unwrap());
+            scene.technique = technique.clone();
+        });
+        let frame = render(&stage);
+        let found = frame.composited(5, &stage.image);
+        let background = stage.image.background.at(1, 4);
+        let left = linear.map(|factor| 0.8f64.powf(10.0 * f64::from(factor)) as f32);
+        for channel in 0..3 {
+            // Black matter gives no light of its own.
+            let exact = background[channel] * left[channel];
+            let error = (found[channel] - exact).abs();
+            assert!(error < tolerance, "{}, {channel}: {}, exact {exact}", technique.name(), found[channel]);
+        }
+        let covered = 1.0 - left.iter().sum::<f32>() / 3.0;
+        assert!((frame.color[5][3] - covered).abs() < tolerance, "{}: {:?}", technique.name(), frame.color[5]);
     }
 }
 

@@ -2,11 +2,11 @@
 
 mod common;
 
-use common::{center, render, set_mode, stage, transfer_function, unit_volume};
-use glam::DVec3;
+use common::{center, render, set_mode, stage, transfer_function, unit_volume, volume_of};
+use glam::{DAffine3, DMat3, DVec3};
 use pellucid_field::Volume;
 use pellucid_optics::Color;
-use pellucid_scene::{Isosurface, Isovalue, Mode, Scene};
+use pellucid_scene::{Isosurface, Isovalue, LookAt, Mode, Orbit, Projection, Scene, View};
 
 fn surfaces(levels: &[(f64, u32, f32)]) -> Mode {
     let level =
@@ -85,4 +85,79 @@ fn a_surface_takes_the_transfer_function_for_its_color() {
     let mode = Mode::Isosurface(Isosurface { isovalues: vec![Isovalue { value: 6.0, color: None, opacity: 1.0 }] });
     let frame = render(&stage(ball(), tf, |scene| set_mode(scene, mode)));
     assert_eq!(center(&frame), [0.0, 1.0, 0.0, 1.0]);
+}
+
+/// Normals are out of the surface towards lower values, whichever side the eye is on: inside a hollow, and where a
+/// cut opens the ball from behind.
+#[test]
+fn normals_point_to_lower_values_from_within_and_without() {
+    let middle = DVec3::splat(15.5);
+    for (sign, inside) in [(1.0, false), (-1.0, false), (1.0, true), (-1.0, true)] {
+        let volume = unit_volume([32; 3], |p| sign * (10.0 - (p - middle).length()));
+        let stage = stage(volume, common::homogeneous(1.0), |scene| {
+            set_mode(scene, surfaces(&[(0.0, 0xffffff, 1.0)]));
+            if inside {
+                let (position, target) = ([15.5, 13.0, 15.5], [15.5, 20.0, 15.5]);
+                let look = LookAt { position, target, up: [0.0, 0.0, 1.0] };
+                scene.camera.view = View::LookAt(look);
+                scene.camera.projection = Projection::Perspective { vertical_fov: 60.0 };
+            }
+        });
+        let frame = render(&stage);
+        let mut hits = 0;
+        for (pixel, depth) in frame.depth.iter().enumerate().filter(|(_, depth)| depth.is_finite()) {
+            let ray = stage.viewpoint.ray((pixel % 16) as f64 + 0.5, (pixel / 16) as f64 + 0.5);
+            let radial = (ray.at(f64::from(*depth)) - middle).normalize();
+            let normal = glam::Vec3::from_array(frame.normal[pixel]).as_dvec3();
+            assert!(normal.dot(radial * sign) > 0.999, "sign {sign}, inside {inside}: {normal}, radially {radial}");
+            hits += 1;
+        }
+        assert!(hits > if inside { 250 } else { 30 }, "{hits}");
+    }
+}
+
+/// The surface of nearest voxels is their faces: hits lie on them and normals are theirs, in every pixel, at any step;
+/// voxels here are boxes of a sheared and stretched grid.
+#[test]
+fn nearest_voxels_have_faces() {
+    let matrix3 = DMat3::from_cols(DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.3, 1.4, 0.0), DVec3::new(0.0, -0.2, 0.8));
+    let affine = DAffine3 { matrix3, translation: DVec3::ZERO };
+    let is_full = |p: [i64; 3]| (p[0] * 7 + p[1] * 5 + p[2] * 3) % 11 < 4 && p.iter().all(|&i| (2..12).contains(&i));
+    let volume = volume_of([14; 3], affine, |p| f64::from(u8::from(is_full(p.to_array().map(|x| x as i64)))));
+    for step in [0.3, 2.0] {
+        let stage = stage(volume.clone(), common::homogeneous(1.0), |scene| {
+            set_mode(scene, surfaces(&[(0.5, 0xffffff, 1.0)]));
+            scene.quality.filter = pellucid_field::Filter::Nearest;
+            scene.quality.step = step;
+            scene.camera.view = View::Orbit(Orbit { azimuth: 33.0, elevation: 27.0, ..Orbit::default() });
+            (scene.image.width, scene.image.height) = (48, 48);
+        });
+        let frame = render(&stage);
+        let index = affine.inverse();
+        let mut hits = 0;
+        for (pixel, &depth) in frame.depth.iter().enumerate() {
+            let ray = stage.viewpoint.ray((pixel % 48) as f64 + 0.5, (pixel / 48) as f64 + 0.5);
+            // The first full voxel, by very small steps.
+            let at = |t: f64| (index.transform_point3(ray.at(t)) + 0.5).floor().to_array().map(|x| x as i64);
+            let first = (0..80_000).map(|k| f64::from(k) * 1e-3).find(|&t| is_full(at(t)));
+            let Some(first) = first else {
+                assert!(depth.is_infinite(), "pixel {pixel}: {depth}");
+                continue;
+            };
+            let (before, after) = (at(first - 2e-3), at(first));
+            let crossed: Vec<usize> = (0..3).filter(|&axis| before[axis] != after[axis]).collect();
+            // Rays through an edge may meet either face, and pass a corner that steps miss.
+            let [axis] = crossed[..] else { continue };
+            if (f64::from(depth) - first).abs() > 2e-3 {
+                assert!(f64::from(depth) < first, "pixel {pixel}: {depth}, not {first}");
+                continue;
+            }
+            let toward = (before[axis] - after[axis]) as f64;
+            let expected = (index.matrix3.transpose().col(axis) * toward).normalize();
+            let normal = glam::Vec3::from_array(frame.normal[pixel]).as_dvec3();
+            assert!(normal.dot(expected) > 0.9999, "pixel {pixel}, step {step}: {normal}, not {expected}");
+            hits += 1;
+        }
+        assert!(hits > 300, "{hits}");
+    }
 }

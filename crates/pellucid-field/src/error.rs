@@ -23,6 +23,21 @@ pub enum FieldError {
         /// Determinant of the linear part, in world units cubed.
         determinant: f64,
     },
+    /// Voxels so small, so large or so far away that single precision, in which light and gradients are computed,
+    /// has no numbers for them.
+    #[error(
+        "{what} is {found:e} world units: {least:e} to {most:e} can be drawn; state lengths in another unit or correct the spacing"
+    )]
+    Extent {
+        /// What is too small or too large.
+        what: &'static str,
+        /// Its length.
+        found: f64,
+        /// The smallest allowed.
+        least: f64,
+        /// The largest allowed.
+        most: f64,
+    },
     /// Unsupported number of components.
     #[error("{found} components per voxel: 1 to 4 are supported")]
     Components {

@@ -38,7 +38,8 @@ impl Grid {
     /// ordinary.
     ///
     /// # Errors
-    /// [`FieldError::Dims`] and [`FieldError::Affine`].
+    /// [`FieldError::Dims`], [`FieldError::Affine`], and [`FieldError::Extent`] where neighbouring samples are
+    /// closer than 1e-30 or further apart than 1e30 world units, or any sample is further than 1e35 from the origin.
     pub fn with_affine(dims: [usize; 3], world_from_index: DAffine3) -> Result<Self, FieldError> {
         let count = dims.iter().try_fold(1usize, |product, &n| product.checked_mul(n));
         if count.is_none_or(|count| count == 0 || count > isize::MAX as usize / 64) {
@@ -49,7 +50,25 @@ impl Grid {
         if determinant == 0.0 || !determinant.is_finite() || !world_from_index.is_finite() || !inverse.is_finite() {
             return Err(FieldError::Affine { determinant });
         }
-        Ok(Self { dims, world_from_index, index_from_world: inverse })
+        let grid = Self { dims, world_from_index, index_from_world: inverse };
+        grid.check_extent()?;
+        Ok(grid)
+    }
+
+    /// Single precision ends at 1e38, and gradients are values over spacings.
+    fn check_extent(&self) -> Result<(), FieldError> {
+        const SPACINGS: [f64; 2] = [1e-30, 1e30];
+        const FURTHEST: f64 = 1e35;
+        let refuse = |what, found, [least, most]: [f64; 2]| match (least..=most).contains(&found) {
+            true => Ok(()),
+            false => Err(FieldError::Extent { what, found, least, most }),
+        };
+        for spacing in self.spacing() {
+            refuse("the distance between two voxels", spacing, SPACINGS)?;
+        }
+        let (low, high) = self.world_bounds();
+        let furthest = low.abs().max(high.abs()).max_element();
+        refuse("the distance of the furthest voxel from the origin", furthest, [0.0, FURTHEST])
     }
 
     /// Samples per axis, x, y, z.

@@ -74,6 +74,7 @@ impl<'a> Bindings<'a> {
         frame.set_window(&window);
         frame.set_values(resident.field().data());
         frame.set_nodes(&optics.nodes);
+        frame.set_rise(optics.tables.table.nodes());
         if let Some(blocks) = optics.blocks {
             frame.set_blocks(blocks.dims, blocks.size);
         }

@@ -72,7 +72,9 @@ impl<'a> RayCaster<'a> {
             ..bindings.variant
         }
         .canonical();
-        let resolve = pipelines.get(device, Variant::of(Pass::Resolve))?.clone();
+        let resolve = pipelines
+            .get(device, Variant { chromatic: stage.holds_back_each_color(), ..Variant::of(Pass::Resolve) })?;
+        let resolve = resolve.clone();
         let march = pipelines.get(device, bindings.variant)?.clone();
         let table = bindings.table_group(&march.groups[2], &march.variant);
         let mut bricks = resident.bricks.clone();
@@ -98,7 +100,10 @@ impl<'a> RayCaster<'a> {
             let learnt = self.resident.is_whole() && !wavefront;
             let wanted = if learnt { (reused.bands.rays() / rays) as u32 } else { most };
             let rows = wanted.max(8).next_multiple_of(8).min(most);
-            let targets = Targets::kept(&mut reused.targets, self.device, picture.width, [width, rows]);
+            let targets = {
+                let shape = (picture.width, self.resolve.variant.chromatic);
+                Targets::kept(&mut reused.targets, self.device, shape, [width, rows])
+            };
             let band = Band { row, rows };
             let seconds = if wavefront {
                 self.draw_wavefront(targets, timer, &mut reused.looks, band, control)?

@@ -4,7 +4,7 @@ use bytemuck::cast_slice;
 use pellucid_scene::Frame as Picture;
 use wgpu::{Buffer, BufferDescriptor, BufferUsages, CommandEncoder, MapMode};
 
-use crate::uniforms::{Pixel, STATE_BYTES};
+use crate::uniforms::{ChromaticPixel, Pixel, STATE_BYTES};
 use crate::{Device, GpuError};
 
 /// Depth of a pixel that met nothing; `march.wgsl` has the same.
@@ -14,6 +14,8 @@ const NOWHERE: f32 = 1e30;
 pub struct Targets {
     /// Pixels per row.
     pub width: u32,
+    /// Whether it is told of each colour what is held back.
+    chromatic: bool,
     room: u64,
     /// A ray's state per pixel.
     pub states: Buffer,
@@ -24,7 +26,7 @@ pub struct Targets {
 
 impl Targets {
     /// Bytes per pixel of a band.
-    pub const PIXEL_BYTES: u64 = STATE_BYTES + 2 * size_of::<Pixel>() as u64;
+    pub const PIXEL_BYTES: u64 = STATE_BYTES + 2 * size_of::<ChromaticPixel>() as u64;
 
     /// Room for a number of pixels.
     fn new(device: &Device, count: u64) -> Self {
@@ -33,9 +35,10 @@ impl Targets {
                 BufferDescriptor { label: Some(label), size: count * bytes, usage, mapped_at_creation: false };
             device.device.create_buffer(&descriptor)
         };
-        let pixel = size_of::<Pixel>() as u64;
+        let pixel = size_of::<ChromaticPixel>() as u64;
         Self {
             width: 0,
+            chromatic: false,
             room: count,
             states: buffer("states", STATE_BYTES, BufferUsages::STORAGE),
             pixels: buffer("pixels", pixel, BufferUsages::STORAGE | BufferUsages::COPY_SRC),
@@ -44,17 +47,23 @@ impl Targets {
     }
 
     /// Those that are there, for a band of a picture `across` pixels wide, if they have room for it, or new ones: the
-    /// old ones go first.
-    pub fn kept<'t>(slot: &'t mut Option<Self>, device: &Device, across: usize, [width, rows]: [u32; 2]) -> &'t Self {
+    /// old ones go first. `chromatic` if shaders tell of each colour what is held back.
+    pub fn kept<'t>(
+        slot: &'t mut Option<Self>,
+        device: &Device,
+        (across, chromatic): (usize, bool),
+        [width, rows]: [u32; 2],
+    ) -> &'t Self {
         let room = across as u64 * u64::from(rows);
         slot.take_if(|targets| targets.room < room);
         let targets = slot.get_or_insert_with(|| Self::new(device, room));
-        targets.width = width;
+        (targets.width, targets.chromatic) = (width, chromatic);
         targets
     }
 
     fn bytes(&self, rows: u32) -> u64 {
-        u64::from(self.width) * u64::from(rows) * size_of::<Pixel>() as u64
+        let pixel = if self.chromatic { size_of::<ChromaticPixel>() } else { size_of::<Pixel>() };
+        u64::from(self.width) * u64::from(rows) * pixel as u64
     }
 
     /// Makes the pixels of a band readable once the commands are done.
@@ -97,11 +106,20 @@ impl Targets {
         device.wait()?;
         let slice = self.copied.slice(..self.bytes(rows));
         let mapped = slice.get_mapped_range().map_err(|error| GpuError::Lost { reason: error.to_string() })?;
-        let pixels: &[Pixel] = cast_slice(&mapped);
+        let (plain, chromatic): (&[Pixel], &[ChromaticPixel]) =
+            if self.chromatic { (&[], cast_slice(&mapped)) } else { (cast_slice(&mapped), &[]) };
+        if self.chromatic {
+            picture.opacities.resize(picture.color.len(), [0.0; 3]);
+        }
         let across = picture.width;
         let start = |line: usize| (row as usize + line) * across + column as usize;
-        let lines = pixels.chunks_exact(self.width as usize).enumerate();
-        for (place, pixel) in lines.flat_map(|(line, pixels)| (start(line)..).zip(pixels)) {
+        let width = self.width as usize;
+        let pixels = plain.iter().chain(chromatic.iter().map(|pixel| &pixel.pixel));
+        for (number, pixel) in pixels.enumerate() {
+            let place = start(number / width) + number % width;
+            if let Some(ChromaticPixel { held_back: [r, g, b, _], .. }) = chromatic.get(number) {
+                picture.opacities[place] = [*r, *g, *b];
+            }
             picture.color[place] = pixel.color;
             if pixel.surface[3] < NOWHERE {
                 picture.depth[place] = pixel.surface[3];

@@ -105,6 +105,14 @@ pub struct Pixel {
     pub counts: [u32; 4],
 }
 
+/// The same where colours from behind are held back each in its own way.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct ChromaticPixel {
+    pub pixel: Pixel,
+    pub held_back: Four,
+}
+
 impl Frame {
     /// The parts that camera, grid, clips and optics give; the rest is the volume's and the tables'.
     pub fn new(stage: &Stage, volume: &StageVolume, region: &Region) -> Self {
@@ -218,6 +226,12 @@ impl Frame {
         self.dims[3] = nodes.count() as u32;
         let [low, high] = nodes.ends();
         self.table = [low, high, nodes.knots().len() as f32, 0.0];
+    }
+
+    /// How much data values would rise over the first voxel behind a cut: by the width of the transfer function.
+    pub fn set_rise(&mut self, nodes: &Nodes) {
+        let [low, high] = nodes.domain();
+        self.gradient_x[3] = if high > low { (high - low) as f32 } else { 1.0 };
     }
 
     /// How many blocks there are, of how many cells.

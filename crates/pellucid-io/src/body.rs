@@ -23,6 +23,15 @@ pub(crate) fn written_type(volume: &Volume, warnings: &mut Vec<Warning>) -> Voxe
     to
 }
 
+/// What is added to every value of a volume of 32-bit integers on its way into a file of 64-bit ones: there the
+/// values are what they are, whatever a format knows of scales and offsets.
+pub(crate) fn wide_base(volume: &Volume) -> Option<i64> {
+    let (kind, map) = (volume.voxels().voxel_type(), volume.value_map());
+    let is_wide = matches!(kind, VoxelType::U32 | VoxelType::I32) && map.scale == 1.0 && map.offset != 0.0;
+    // Sums of such numbers fit.
+    (is_wide && map.offset.fract() == 0.0 && map.offset.abs() <= 9.0e18).then_some(map.offset as i64)
+}
+
 /// How values are packed.
 #[derive(Clone, Copy)]
 pub(crate) enum Packing {
@@ -53,9 +62,17 @@ fn write_body(file: &mut AtomicFile, volume: &Volume, packing: Packing) -> io::R
     file.stream_position()
 }
 
-/// Values as they are in memory.
+/// Values as they are in memory, or as 64-bit integers.
 pub(crate) fn write_interleaved(out: &mut impl Write, volume: &Volume) -> io::Result<()> {
-    match volume.voxels() {
+    match (volume.voxels(), wide_base(volume)) {
+        (Voxels::U32(data), Some(base)) => write_each(out, data.iter().map(|value| base + i64::from(*value))),
+        (Voxels::I32(data), Some(base)) => write_each(out, data.iter().map(|value| base + i64::from(*value))),
+        (voxels, _) => write_as_they_are(out, voxels),
+    }
+}
+
+fn write_as_they_are(out: &mut impl Write, voxels: &Voxels) -> io::Result<()> {
+    match voxels {
         Voxels::F16(data) => write_each(out, data.iter().map(|value| value.to_f32())),
         voxels => out.write_all(voxels.as_bytes()),
     }
@@ -65,7 +82,14 @@ pub(crate) fn write_interleaved(out: &mut impl Write, volume: &Volume) -> io::Re
 pub(crate) fn write_planar(out: &mut impl Write, volume: &Volume) -> io::Result<()> {
     let components = volume.components();
     for component in 0..components {
+        let wide = |value: i64| value + wide_base(volume).unwrap_or_default();
         match volume.voxels() {
+            Voxels::U32(data) if wide_base(volume).is_some() => {
+                write_each(out, data[component..].iter().step_by(components).map(|value| wide(i64::from(*value))))?;
+            }
+            Voxels::I32(data) if wide_base(volume).is_some() => {
+                write_each(out, data[component..].iter().step_by(components).map(|value| wide(i64::from(*value))))?;
+            }
             Voxels::F16(data) => {
                 write_each(out, data[component..].iter().step_by(components).map(|value| value.to_f32()))?;
             }

@@ -121,7 +121,12 @@ pub(crate) fn write(path: &Path, volume: &Volume) -> Result<Vec<Warning>, IoErro
     let [x, y, z] = volume.grid().dims();
     let (stored, components) = (volume.voxels().voxel_type(), volume.components());
     let layout = format!("{x} x {y} x {z}, {components} x {stored}");
+    let map = volume.value_map();
+    let values = match map == ValueMap::IDENTITY {
+        true => String::new(),
+        false => format!(", what numbers mean (value = {} x stored + {})", map.scale, map.offset),
+    };
     Ok(vec![Warning::File(format!(
-        "raw files hold values alone: keep the layout ({layout}), the grid and units apart"
+        "raw files hold values alone: keep the layout ({layout}){values}, the grid and units apart"
     ))])
 }

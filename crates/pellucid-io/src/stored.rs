@@ -11,9 +11,10 @@ use pellucid_field::VoxelType;
 pub enum StoredType {
     /// A type that voxels can have; kept.
     Voxel(VoxelType),
-    /// Signed 64 bit; becomes `i32` or `u32` if all values fit, else `f32`.
+    /// Signed 64 bit; becomes `i32` or `u32` if all values fit, `u32` counted from the smallest if their differences
+    /// fit, else `f32`.
     I64,
-    /// Unsigned 64 bit; becomes `i32` or `u32` if all values fit, else `f32`.
+    /// Unsigned 64 bit; becomes what signed ones become.
     U64,
     /// IEEE 754 double; becomes `f32`.
     F64,

@@ -11,10 +11,15 @@ use crate::{IoError, ReadOptions, StoredType};
 /// Bytes decoded at a time; memory is touched only as data arrive.
 const STEP: usize = 1 << 22;
 
-/// The voxels of a payload, and a warning if they had to change type.
-pub(crate) fn voxels(payload: &Payload, options: &ReadOptions, warnings: &mut Vec<Warning>) -> Result<Voxels, IoError> {
+/// The voxels of a payload, and a warning if they had to change type; and what they count from, which has to be
+/// added to each.
+pub(crate) fn voxels(
+    payload: &Payload,
+    options: &ReadOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Voxels, f64), IoError> {
     payload.check(&options.limits)?;
-    match payload.stored {
+    let voxels = match payload.stored {
         StoredType::Voxel(VoxelType::U8) => kept::<u8>(payload, options, warnings),
         StoredType::Voxel(VoxelType::I8) => kept::<i8>(payload, options, warnings),
         StoredType::Voxel(VoxelType::U16) => kept::<u16>(payload, options, warnings),
@@ -24,9 +29,14 @@ pub(crate) fn voxels(payload: &Payload, options: &ReadOptions, warnings: &mut Ve
         StoredType::Voxel(VoxelType::F16) => kept::<f16>(payload, options, warnings),
         StoredType::Voxel(VoxelType::F32) => kept::<f32>(payload, options, warnings),
         StoredType::F64 => single_precision(payload, options, warnings),
-        StoredType::I64 => narrowed_integers(payload, options, |bytes| i64::from_ne_bytes(bytes).into(), warnings),
-        StoredType::U64 => narrowed_integers(payload, options, |bytes| u64::from_ne_bytes(bytes).into(), warnings),
-    }
+        StoredType::I64 => {
+            return narrowed_integers(payload, options, |bytes| i64::from_ne_bytes(bytes).into(), warnings);
+        }
+        StoredType::U64 => {
+            return narrowed_integers(payload, options, |bytes| u64::from_ne_bytes(bytes).into(), warnings);
+        }
+    };
+    Ok((voxels?, 0.0))
 }
 
 /// Values of a type that voxels have: mapped where possible, else decoded straight into their
@@ -65,14 +75,14 @@ fn single_precision(payload: &Payload, options: &ReadOptions, warnings: &mut Vec
     })
 }
 
-/// 64-bit integers as the first of `i32`, `u32` and `f32` that holds them all; decoded twice, once
-/// for their range, so that they never lie in memory at full width.
+/// 64-bit integers as the first of `i32`, `u32`, `u32` counted from their smallest, and `f32` that holds them all;
+/// decoded twice, once for their range, so that they never lie in memory at full width.
 fn narrowed_integers(
     payload: &Payload,
     options: &ReadOptions,
     integer: fn([u8; 8]) -> i128,
     warnings: &mut Vec<Warning>,
-) -> Result<Voxels, IoError> {
+) -> Result<(Voxels, f64), IoError> {
     let (mut low, mut high) = (i128::MAX, i128::MIN);
     for_each_chunk(payload, options, &mut Vec::new(), |chunk| {
         for &bytes in chunk {
@@ -82,16 +92,31 @@ fn narrowed_integers(
         Ok(())
     })?;
     if low >= i32::MIN.into() && high <= i32::MAX.into() {
-        narrowed(payload, options, warnings, |bytes| (integer(bytes) as i32, 0.0))
-    } else if low >= 0 && high <= u32::MAX.into() {
-        narrowed(payload, options, warnings, |bytes| (integer(bytes) as u32, 0.0))
-    } else {
-        narrowed(payload, options, warnings, |bytes| {
-            let value = integer(bytes);
-            let kept = value as f32;
-            (kept, (value - kept as i128).abs() as f64)
-        })
+        return Ok((narrowed(payload, options, warnings, |bytes| (integer(bytes) as i32, 0.0))?, 0.0));
     }
+    if low >= 0 && high <= u32::MAX.into() {
+        return Ok((narrowed(payload, options, warnings, |bytes| (integer(bytes) as u32, 0.0))?, 0.0));
+    }
+    // A number that data values, which are `f64`, can have.
+    let mut base = low as f64;
+    if base as i128 > low {
+        base = base.next_down();
+    }
+    let from = base as i128;
+    if high - from <= u32::MAX.into() {
+        let voxels = narrowed(payload, options, warnings, |bytes| {
+            let kept = (integer(bytes) - from) as u32;
+            let value = (base + f64::from(kept)) as i128;
+            (kept, (value - integer(bytes)).abs() as f64)
+        })?;
+        return Ok((voxels, base));
+    }
+    let voxels = narrowed(payload, options, warnings, |bytes| {
+        let value = integer(bytes);
+        let kept = value as f32;
+        (kept, (value - kept as i128).abs() as f64)
+    })?;
+    Ok((voxels, 0.0))
 }
 
 /// 64-bit values in a smaller type; `narrow` tells the new value and how far it is off.

@@ -78,13 +78,14 @@ fn load(source: &Source, options: &ReadOptions) -> Result<Loaded, IoError> {
         }
     };
     let path = &source.path;
-    let Description { mut warnings, payload, value_map, .. } = description;
+    let Description { mut warnings, payload, mut value_map, .. } = description;
     let grid = Grid::with_affine(description.dims, description.world_from_index).map_err(IoError::field(path))?;
     let components = description.components;
     if !(1..=4).contains(&components) {
         return Err(IoError::field(path)(FieldError::Components { found: components }));
     }
-    let voxels = values::voxels(&payload, options, &mut warnings)?;
+    let (voxels, base) = values::voxels(&payload, options, &mut warnings)?;
+    value_map.offset += value_map.scale * base;
     for warning in &mut warnings {
         // Readers of values know stored numbers; users see data values.
         if let Warning::Converted { largest_error, .. } = warning {

@@ -288,6 +288,19 @@ fn wide_types_are_narrowed_with_the_error_they_suffer() {
     assert_eq!(loaded.warnings, converted("u64", VoxelType::F32, 1.0));
     assert_eq!(stored(&loaded.volume), [18446744073709551616.0, 0.0]);
 
+    // Identifiers that differ by less than 2^32 count from the smallest: no two of them become one.
+    for first in [1i64 << 33, (1 << 52) + 12345, -(1 << 40)] {
+        let ids = [first + 7, first + 8];
+        let loaded = read("int64", bytes(ids[0], ids[1]));
+        assert_eq!(loaded.warnings, converted("i64", VoxelType::U32, 0.0));
+        let values = [0, 1].map(|x| loaded.volume.value([x, 0, 0], 0));
+        assert_eq!(values, ids.map(|id| id as f64));
+        assert_eq!(loaded.volume.statistics().mean, ids[0] as f64 + 0.5);
+    }
+    // Data values are doubles, which have every other number here.
+    let loaded = read("uint64", bytes((1 << 53) + 1, (1 << 53) + 2));
+    assert_eq!(loaded.warnings, converted("u64", VoxelType::U32, 1.0));
+
     let doubles = [0.1f64.to_be_bytes(), (-2.5f64).to_be_bytes()].concat();
     let error = f64::from(0.1f32) - 0.1;
     assert_eq!(read("double", doubles).warnings, converted("f64", VoxelType::F32, error));

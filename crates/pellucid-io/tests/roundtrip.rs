@@ -91,6 +91,28 @@ fn value_maps_and_units_survive_or_are_warned_of() {
     }
 }
 
+/// What was read from 64-bit integers is written as such, in formats that know of no offset or only of single precision.
+#[test]
+fn large_identifiers_survive_every_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let map = ValueMap { scale: 1.0, offset: 1_234_567_890_123.0 };
+    for components in [1, 2] {
+        let ids = vec![0u32, 1, u32::MAX, 5, 6, 7];
+        let volume = Volume::with_components(dyadic([6 / components, 1, 1]), ids.clone(), components).unwrap();
+        let volume = volume.with_value_map(map).unwrap();
+        for name in NAMES {
+            let path = folder.path().join(name);
+            let warnings = write(&path, &volume, &options(None)).unwrap();
+            assert!(warnings.is_empty(), "{name}: {warnings:?}");
+            let found = read(&path, &ReadOptions::default()).unwrap().volume;
+            for (place, id) in ids.iter().enumerate() {
+                let value = found.value([place / components, 0, 0], place % components);
+                assert_eq!(value, map.offset + f64::from(*id), "{name}, {place}");
+            }
+        }
+    }
+}
+
 #[test]
 fn nifti_warns_of_what_single_precision_loses() {
     let folder = tempfile::tempdir().unwrap();

@@ -118,6 +118,13 @@ impl Default for PropertyNoise {
 }
 
 impl Perturbation {
+    /// The same over data values that are less by `origin`.
+    pub fn counted_from(mut self, origin: f64) -> Self {
+        let between = &mut self.displacement.between;
+        *between = between.map(|ends| ends.map(|value| (f64::from(value) - origin) as f32));
+        self
+    }
+
     /// Whether anything is displaced.
     pub fn displaces(&self) -> bool {
         self.displacement.amplitude > 0.0 && self.displacement.octaves.iter().any(|octave| octave.weight != 0.0)

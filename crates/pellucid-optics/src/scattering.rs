@@ -31,8 +31,8 @@ pub struct Scattering {
     pub transport: Option<Vec<ColorPoint>>,
     /// Factors of the extinction for red, green and blue light, as the linear light of this colour, so that what is
     /// thick takes on a colour that what is thin has not (K-13). Left out, all colours are lost alike. Path tracing,
-    /// ray casting and half-angle slicing heed it on all ways of light; a pixel's coverage is then the mean of its
-    /// colours'.
+    /// ray casting and half-angle slicing heed it on all ways of light, that of a background included; a pixel's
+    /// coverage, the alpha of a transparent background, is then the mean of its colours'.
     pub extinction_color: Option<Color>,
     /// How much a sample reflects as a surface instead of scattering as a cloud (K-11). Default none.
     pub surface: SurfaceShare,
@@ -88,6 +88,23 @@ pub struct Scatterer {
 }
 
 impl Scattering {
+    /// The same over data values that are less by `origin`.
+    pub fn counted_from(mut self, origin: f64) -> Self {
+        if let Anisotropy::Values(points) = &mut self.anisotropy {
+            points.iter_mut().for_each(|point| point.value -= origin);
+        }
+        if let Albedo::Colors(points) = &mut self.albedo {
+            points.iter_mut().for_each(|point| point.value -= origin);
+        }
+        if let SurfaceShare::Values(points) = &mut self.surface {
+            points.iter_mut().for_each(|point| point.value -= origin);
+        }
+        if let Some(points) = &mut self.transport {
+            points.iter_mut().for_each(|point| point.value -= origin);
+        }
+        self
+    }
+
     /// Checks every number.
     ///
     /// # Errors

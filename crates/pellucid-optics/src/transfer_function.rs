@@ -156,6 +156,13 @@ impl TransferFunction {
         values
     }
 
+    /// The same curves over values that are less by `origin`.
+    pub fn counted_from(mut self, origin: f64) -> Self {
+        self.colors.iter_mut().for_each(|point| point.value -= origin);
+        self.opacities.iter_mut().for_each(|point| point.value -= origin);
+        self
+    }
+
     /// The same curves with every value shifted and scaled so that the interval `from` becomes
     /// the interval `to`: how a relative preset is fitted to a window.
     ///

@@ -125,7 +125,7 @@ fn json_from_toml(value: toml::Value, steps: &mut Vec<Step>) -> Result<Value, &'
         steps.push(step);
         let value = json_from_toml(value, steps)?;
         steps.pop();
-        Ok(value)
+        Ok::<_, &'static str>(value)
     };
     Ok(match value {
         toml::Value::String(text) => Value::String(text),
@@ -137,11 +137,11 @@ fn json_from_toml(value: toml::Value, steps: &mut Vec<Step>) -> Result<Value, &'
         toml::Value::Datetime(_) => return Err("found a date, expected text in quotes or a number"),
         toml::Value::Array(items) => {
             let items = items.into_iter().enumerate().map(|(k, item)| inner(Step::Index(k), item));
-            Value::Array(items.collect::<Result<_, _>>()?)
+            Value::Array(items.collect::<Result<_, &'static str>>()?)
         }
         toml::Value::Table(table) => {
             let entries = table.into_iter().map(|(key, value)| Ok((key.clone(), inner(Step::Key(key), value)?)));
-            Value::Object(entries.collect::<Result<_, _>>()?)
+            Value::Object(entries.collect::<Result<_, &'static str>>()?)
         }
     })
 }

@@ -40,11 +40,13 @@ impl Stage {
             return Some(self.looks_elsewhere(&left));
         }
         let unit = volume.volume.value_unit.as_deref().map_or(String::new(), |unit| format!(" {unit}"));
-        let range = format!("{} to {}{unit}", Short(statistics.min), Short(statistics.max));
+        // What users see counts from 0.
+        let told = |value: f64| Short(value + volume.origin);
+        let range = format!("{} to {}{unit}", told(statistics.min), told(statistics.max));
         if let Mode::Isosurface(surfaces) = self.mode() {
             let within = |value: f64| (statistics.min..=statistics.max).contains(&value);
             if !surfaces.isovalues.iter().any(|iso| within(iso.value)) {
-                let values = list(surfaces.isovalues.iter().map(|iso| Short(iso.value)));
+                let values = list(surfaces.isovalues.iter().map(|iso| told(iso.value)));
                 return Some(format!("the isovalue {values} is not in the data's range, {range}"));
             }
             if surfaces.isovalues.iter().all(|iso| iso.opacity == 0.0 || !within(iso.value)) {
@@ -58,7 +60,7 @@ impl Stage {
             let seen = volume.transfer_function.opacities().iter().filter(|point| point.opacity > 0.0);
             let seen: Vec<f64> = seen.map(|point| point.value).collect();
             let has = match (seen.first(), seen.last()) {
-                (Some(first), Some(last)) => format!("it has some around {} to {}", Short(*first), Short(*last)),
+                (Some(first), Some(last)) => format!("it has some around {} to {}", told(*first), told(*last)),
                 _ => "it has none anywhere".to_owned(),
             };
             return Some(format!(

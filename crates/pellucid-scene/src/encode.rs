@@ -8,9 +8,25 @@ use crate::srgb8::SRGB8;
 use crate::{Background, Encoding, Frame, ImageSettings};
 
 impl Frame {
-    /// The pixel over its background, exposed: linear RGB, not associated, and alpha.
+    /// The pixel over its background, exposed: linear RGB, not associated, and alpha. Where there is more light
+    /// than an alpha of the coverage lets be seen, as of emission without absorption, alpha is as large as that
+    /// needs: over black it is the same light.
     pub fn composited(&self, pixel: usize, image: &ImageSettings) -> [f32; 4] {
-        self.backdrop(image, pixel / self.width).of(self, pixel).behind(self.color[pixel])
+        let backdrop = self.backdrop(image, pixel / self.width);
+        backdrop.straightened(backdrop.of(self, pixel).behind(self.color[pixel], self.held_back(pixel)))
+    }
+
+    /// The pixel over its background, exposed: linear RGB associated with the coverage, and that. Light that
+    /// nothing covers keeps its colours at an alpha of 0.
+    pub fn associated(&self, pixel: usize, image: &ImageSettings) -> [f32; 4] {
+        let backdrop = self.backdrop(image, pixel / self.width);
+        backdrop.of(self, pixel).behind(self.color[pixel], self.held_back(pixel))
+    }
+
+    /// What is held back of each colour behind a pixel.
+    #[inline(always)]
+    fn held_back(&self, pixel: usize) -> [f32; 3] {
+        self.opacities.get(pixel).copied().unwrap_or([self.color[pixel][3]; 3])
     }
 
     /// The picture as 8-bit RGBA, encoded as the settings say.
@@ -47,14 +63,18 @@ impl Frame {
         let mut values = vec![[T::default(); 4]; self.color.len()];
         let encode = |(y, (values, colors)): (usize, (&mut [[T; 4]], &[[f32; 4]]))| {
             let backdrop = self.backdrop(image, y);
-            let code = |[r, g, b, a]: [f32; 4]| [light(r), light(g), light(b), alpha(a)];
-            if backdrop.varies {
+            let code = |color| {
+                let [r, g, b, a] = backdrop.straightened(color);
+                [light(r), light(g), light(b), alpha(a)]
+            };
+            if backdrop.varies || !self.opacities.is_empty() {
                 for (x, (value, color)) in values.iter_mut().zip(colors).enumerate() {
-                    *value = code(backdrop.of(self, y * width + x).behind(*color));
+                    let pixel = y * width + x;
+                    *value = code(backdrop.of(self, pixel).behind(*color, self.held_back(pixel)));
                 }
             } else {
                 for (value, color) in values.iter_mut().zip(colors) {
-                    *value = code(backdrop.behind(*color));
+                    *value = code(backdrop.behind(*color, [color[3]; 3]));
                 }
             }
         };
@@ -94,15 +114,25 @@ impl Backdrop {
         Self { color, ..*self }
     }
 
-    /// The pixel over it, exposed.
+    /// The pixel over it, exposed and associated.
     #[inline(always)]
-    fn behind(&self, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
-        let through = 1.0 - a;
-        let alpha = a + through * self.color[3];
-        let rgb = [r + through * self.color[0], g + through * self.color[1], b + through * self.color[2]];
-        let rgb = if self.straight && alpha > 0.0 { rgb.map(|c| c / alpha) } else { rgb };
+    fn behind(&self, [r, g, b, a]: [f32; 4], held_back: [f32; 3]) -> [f32; 4] {
+        let [x, y, z] = held_back.map(|opacity| 1.0 - opacity);
+        let alpha = a + (1.0 - a) * self.color[3];
+        let rgb = [r + x * self.color[0], g + y * self.color[1], b + z * self.color[2]];
         let [r, g, b] = rgb.map(|c| c * self.exposure);
         [r, g, b, alpha]
+    }
+
+    /// The same, not associated, where the background leaves alpha below 1.
+    #[inline(always)]
+    fn straightened(&self, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
+        if !self.straight {
+            return [r, g, b, a];
+        }
+        // No file has more light than 1.
+        let alpha = a.max(part(r.max(g).max(b)));
+        if alpha > 0.0 { [r / alpha, g / alpha, b / alpha, alpha] } else { [r, g, b, alpha] }
     }
 }
 

@@ -13,11 +13,14 @@ pub struct Frame {
     pub height: usize,
     /// Linear RGB radiance times coverage, and coverage (associated alpha); no background.
     pub color: Vec<[f32; 4]>,
+    /// The share of red, green and blue light from behind that is held back, where that is not the same for all
+    /// (K-13): coverage is then their mean, which is what is left of them on a transparent background. Else empty.
+    pub opacities: Vec<[f32; 3]>,
     /// Distance from the eye (along the ray, world units) to where the ray's opacity first reaches
     /// one half, to the surface, or to the projected extreme; infinite where there is none.
     pub depth: Vec<f32>,
-    /// Unit world normal at that depth, out of the surface towards lower values; zero where there
-    /// is none.
+    /// Unit world normal at that depth, out of the surface towards lower values, whichever side of it the eye is
+    /// on; of a slice, its own, and of matter that a clip or the box cuts, that of the cut. Zero where there is none.
     pub normal: Vec<[f32; 3]>,
     /// Field samples taken for the pixel, gradient taps not counted.
     pub samples: Vec<u32>,
@@ -130,6 +133,7 @@ impl Frame {
         let n = width * height;
         (self.width, self.height) = (width, height);
         fill(&mut self.color, n, [0.0; 4]);
+        self.opacities.clear();
         fill(&mut self.depth, n, f32::INFINITY);
         fill(&mut self.normal, n, [0.0; 3]);
         fill(&mut self.samples, n, 0);

@@ -31,6 +31,7 @@ mod look;
 mod majorants;
 mod meant;
 mod model_source;
+mod origin;
 mod population;
 mod quality;
 mod resolve;

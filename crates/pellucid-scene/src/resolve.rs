@@ -16,6 +16,7 @@ use crate::auto::{self, Chosen};
 use crate::brightness::brightness;
 use crate::choice::Choice;
 use crate::framing::Framed;
+use crate::origin::{counted_from, origin_of};
 use crate::{Crop, ImageSettings, Invalid, Mode, Quality, Region, Scene, Technique, Viewpoint, VolumeEntry};
 
 /// A volume with its optics, nothing left to choose.
@@ -39,6 +40,9 @@ pub struct StageVolume {
     pub region: Region,
     /// The crop that is a part of the region.
     pub crop: Option<Crop>,
+    /// The data value that all values count from, of the volume, its optics and isosurfaces: 0, or the smallest of
+    /// integers that single precision would not tell apart.
+    pub origin: f64,
 }
 
 impl StageVolume {
@@ -144,11 +148,12 @@ impl Scene {
             settle(&mut settled.volumes[k], &volume, chosen);
             staged.push(volume);
         }
+        let technique = self.ordered_technique(staged.first().map_or(0.0, |volume| volume.origin));
         let ImageSettings { width, height, .. } = self.image;
         let framed = {
             // A camera that is given in full asks nothing of the data.
             let framed = LazyCell::new(|| {
-                let framed = |volume| Framed::new(volume, self.technique.mode(), self.camera.frame);
+                let framed = |volume| Framed::new(volume, technique.mode(), self.camera.frame);
                 staged.iter().map(framed).collect::<Vec<_>>()
             });
             let support = |d: DVec3| framed.iter().map(|framed| framed.support(d)).fold(f64::NEG_INFINITY, f64::max);
@@ -168,7 +173,7 @@ impl Scene {
             light_model: self.lighting.model,
             volumes: staged,
             viewpoint,
-            technique: self.ordered_technique(),
+            technique,
             quality: self.quality.clone(),
             image: self.image.clone(),
             step: self.quality.step * smallest,
@@ -199,23 +204,34 @@ impl Scene {
         let path = format!("volumes[{k}]");
         let (look, chosen) = auto::look(entry, &volume, component, self.technique.mode(), choices)
             .map_err(|error| ResolveError::Optics { path, error })?;
+        let (origin, mut volume) = (origin_of(&volume), volume);
+        if let Some(origin) = origin {
+            let chosen =
+                format!("drawn as differences to {origin}, as single precision tells integers apart up to 2^24");
+            choices.push(Choice::new("values", origin, chosen));
+            volume = counted_from(&volume, origin)?;
+        }
+        let origin = origin.unwrap_or_default();
         let staged = StageVolume {
             component,
-            transfer_function: look.transfer_function,
+            transfer_function: look.transfer_function.counted_from(origin),
             material: look.material,
             gradient_weight: look.gradient_weight,
-            scattering: entry.scattering.clone(),
-            perturbation: entry.perturbation.clone(),
+            scattering: entry.scattering.clone().counted_from(origin),
+            perturbation: entry.perturbation.clone().counted_from(origin),
             region,
             crop: entry.crop,
             volume,
+            origin,
         };
         Ok((staged, chosen))
     }
 
-    fn ordered_technique(&self) -> Technique {
+    /// With isovalues in their order, less the value that those of the volume count from.
+    fn ordered_technique(&self, origin: f64) -> Technique {
         let mut technique = self.technique.clone();
         if let Some(Mode::Isosurface(surfaces)) = technique.mode_mut() {
+            surfaces.isovalues.iter_mut().for_each(|iso| iso.value -= origin);
             surfaces.isovalues.sort_by(|a, b| a.value.total_cmp(&b.value));
         }
         technique

@@ -6,6 +6,7 @@ use pellucid_optics::{Chroma, ShadowRays, ShadowVolume, Shadows, Sky};
 use rayon::prelude::*;
 
 use crate::half_angle::LightPoints;
+use crate::origin::smallest_difference;
 use crate::{
     Background, Classification, HalfAngle, Mode, PathTrace, Region, RenderWarning, Slice, Slicing, Stage, StageVolume,
     Technique,
@@ -63,6 +64,16 @@ impl Stage {
             Technique::Slicing(_) | Technique::PathTrace(_) => false,
         };
         Chroma::of(&volume.scattering).filter(|_| composites)
+    }
+
+    /// Whether colours from behind are held back each in its own way, which one alpha cannot tell
+    /// ([`Frame::opacities`](crate::Frame)).
+    pub fn holds_back_each_color(&self) -> bool {
+        let by_paths = self.path_trace().is_some();
+        self.volumes.iter().any(|volume| match by_paths {
+            true => volume.scattering.extinction_factors().is_some(),
+            false => self.chroma(volume).is_some(),
+        })
     }
 
     /// Points of a light volume for each voxel and axis, if what is lit of a volume asks for one.
@@ -137,7 +148,16 @@ impl Stage {
         let unseen = self.image.background == Background::Environment && self.sky().is_none();
         let unseen = unseen.then(|| format!("image.background is the environment, and {name} has none: it is black"));
         let ignored = lights.chain(volumes).filter(move |_| !by_paths);
-        ignored.chain(unseen).map(|reason| RenderWarning::Fallback { reason })
+        let volumes = self.volumes.iter().enumerate();
+        let merged = volumes.filter_map(|(number, staged)| {
+            let (range, gap) = (staged.volume.statistics(), smallest_difference(&staged.volume)?);
+            Some(format!(
+                "volumes[{number}] has integers from {} to {}, which are drawn in single precision: the largest are told \
+                 apart from {gap} on",
+                range.min, range.max
+            ))
+        });
+        ignored.chain(unseen).chain(merged).map(|reason| RenderWarning::Fallback { reason })
     }
 
     /// The environment, if the technique has one that is not dark.

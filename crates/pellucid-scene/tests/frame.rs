@@ -66,6 +66,37 @@ fn transparent_pictures_have_straight_alpha() {
     assert_eq!(frame.to_rgba8(&image)[..8], [255, 0, 128, 64, 0, 0, 0, 0]);
 }
 
+/// Light that nothing covers is seen over black as it is; associated, it keeps its coverage of 0.
+#[test]
+fn light_without_coverage_is_kept_on_a_transparent_background() {
+    let image = ImageSettings { encoding: Encoding::Linear, exposure: 2.0, ..settings(Background::Transparent) };
+    let light = [[0.1, 0.3, 0.0, 0.0], [0.05, 0.4, 0.2, 0.25], [3.0, 0.0, 0.0, 0.0], [0.1, 0.1, 0.1, 0.5]];
+    let frame = frame(&light);
+    for (pixel, [r, g, b, a]) in light.into_iter().enumerate() {
+        let [red, green, blue, alpha] = frame.composited(pixel, &image);
+        for (found, light) in [(red, r), (green, g), (blue, b)] {
+            let over_black = found.min(1.0) * alpha;
+            assert!((over_black - (2.0 * light).min(1.0)).abs() < 1e-6, "{pixel}: {over_black} of {light}");
+        }
+        assert!(alpha >= a);
+        assert_eq!(frame.associated(pixel, &image), [2.0 * r, 2.0 * g, 2.0 * b, a]);
+    }
+    // What covers as much as it shines has its own alpha.
+    assert_eq!(frame.composited(3, &image)[3], 0.5);
+}
+
+/// Each colour of the background comes through its own opacity.
+#[test]
+fn each_colour_behind_is_held_back_in_its_own_way() {
+    let opacities = vec![[0.9, 0.5, 0.1]];
+    let frame = Frame { opacities, ..frame(&[[0.2, 0.1, 0.0, 0.5]]) };
+    let found = frame.composited(0, &settings(Background::Color(Color::WHITE)));
+    for (found, expected) in found.into_iter().zip([0.3, 0.6, 0.9, 1.0]) {
+        assert!((found - expected).abs() < 1e-6, "{found}, not {expected}");
+    }
+    assert_eq!(frame.composited(0, &settings(Background::Transparent))[3], 0.5);
+}
+
 #[test]
 fn what_lies_behind_shines_through() {
     let behind = settings(Background::Color(Color::new([1.0, 0.5, 0.0]).unwrap()));

@@ -316,3 +316,52 @@ proptest! {
         prop_assert!(near || inside == (0..3).all(|axis| from[axis] <= p[axis] && p[axis] <= to[axis]));
     }
 }
+
+/// Labels beyond 2^24 that are close to each other are drawn as differences, and so is all that speaks of values;
+/// those too far apart are warned of.
+#[test]
+fn large_integers_count_from_the_smallest() {
+    let grid = || Grid::new([4, 2, 2]).unwrap();
+    let labels = |values: [u32; 2]| (0..16).map(|k| values[k % 2]).collect::<Vec<u32>>();
+    let tf = |at: [f64; 2]| {
+        let colors = vec![ColorPoint::new(at[0], Color::BLACK), ColorPoint::new(at[1], Color::WHITE)];
+        TransferFunction::new(colors, vec![OpacityPoint::new(at[0], 1.0)]).unwrap()
+    };
+    let draw = |volume: Volume, at: [f64; 2]| {
+        let mut scene = scene(VolumeEntry { transfer_function: Some(tf(at)), ..entry() });
+        let isovalues = vec![Isovalue { value: at[1], color: None, opacity: 1.0 }];
+        scene.technique = Technique::RayCast(RayCast { mode: Mode::Isosurface(Isosurface { isovalues }) });
+        scene.resolve(&[Arc::new(volume)]).unwrap()
+    };
+    let large = [4_000_000_001u32, 4_000_000_003];
+    let ids = large.map(f64::from);
+    let wide = |offset: f64| ValueMap { scale: 1.0, offset };
+    for (volume, at) in [
+        (Volume::new(grid(), labels(large)).unwrap(), ids),
+        (Volume::new(grid(), labels([1, 3])).unwrap().with_value_map(wide(1e15)).unwrap(), [1e15 + 1.0, 1e15 + 3.0]),
+        (
+            Volume::new(grid(), (0..16).map(|k| [-7i16, -5][k % 2]).collect::<Vec<i16>>())
+                .unwrap()
+                .with_value_map(wide(-1e9))
+                .unwrap(),
+            [-1e9 - 7.0, -1e9 - 5.0],
+        ),
+    ] {
+        let (stage, choices) = draw(volume, at);
+        let drawn = &stage.volumes[0];
+        assert_eq!(drawn.origin, at[0]);
+        let values = [0, 1].map(|x| drawn.volume.value([x, 0, 0], 0));
+        assert_eq!(values, [0.0, 2.0]);
+        assert_eq!(drawn.transfer_function.hull(), [0.0, 2.0]);
+        let Mode::Isosurface(surfaces) = stage.mode() else { panic!() };
+        assert_eq!(surfaces.isovalues[0].value, 2.0);
+        assert!(chose(&choices, "values").is_some_and(|chosen| chosen.contains(&at[0].to_string())), "{choices:?}");
+        assert_eq!(stage.fallbacks().count(), 0);
+    }
+    // Small ones are as they are, and far ones are told of with their numbers.
+    let (stage, choices) = draw(Volume::new(grid(), labels([1, 1 << 24])).unwrap(), [1.0, 2.0]);
+    assert_eq!((stage.volumes[0].origin, chose(&choices, "values"), stage.fallbacks().count()), (0.0, None, 0));
+    let (stage, _) = draw(Volume::new(grid(), labels([1, 4_000_000_003])).unwrap(), [1.0, 2.0]);
+    let warning = stage.fallbacks().next().unwrap().to_string();
+    assert!(warning.contains("4000000003") && warning.contains("from 256 on"), "{warning}");
+}

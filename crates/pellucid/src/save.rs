@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use pellucid_field::memory;
 use pellucid_io::{IoError, PngPixels, Transfer, write_exr, write_png};
-use pellucid_scene::{Background, Encoding, Frame, ImageSettings};
+use pellucid_scene::{Encoding, Frame, ImageSettings};
 
 /// Bits per channel of a PNG.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -79,10 +79,7 @@ pub fn save_exr(path: impl AsRef<Path>, frame: &Frame, image: &ImageSettings) ->
     afford(path, frame, 2 * 9 * size_of::<f32>())?;
     let mut rgba = [const { Vec::new() }; 4];
     for pixel in 0..frame.color.len() {
-        let [r, g, b, a] = frame.composited(pixel, image);
-        // Composited colours are divided by their alpha only over a transparent background.
-        let coverage = if image.background == Background::Transparent { a } else { 1.0 };
-        for (channel, value) in rgba.iter_mut().zip([r * coverage, g * coverage, b * coverage, a]) {
+        for (channel, value) in rgba.iter_mut().zip(frame.associated(pixel, image)) {
             channel.push(value);
         }
     }
@@ -112,6 +109,7 @@ fn afford(path: &Path, frame: &Frame, bytes_per_pixel: usize) -> Result<(), IoEr
 mod tests {
     use exr::prelude::read_first_flat_layer_from_file;
     use pellucid_optics::Color;
+    use pellucid_scene::Background;
 
     use super::*;
 
@@ -152,6 +150,21 @@ mod tests {
         // (0.2 + (1 - 0.5) * 1) * 2 over white, and white itself.
         let white = read(Background::Color(Color::WHITE));
         assert_eq!((white("R"), white("A")), (vec![1.4, 2.0], vec![1.0, 1.0]));
+    }
+
+    /// Emission without absorption covers nothing, and is light all the same.
+    #[test]
+    fn exr_keeps_light_that_covers_nothing() {
+        let mut frame = Frame::new(1, 1);
+        frame.color[0] = [0.5, 0.25, 2.0, 0.0];
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("light.exr");
+        save(&path, &frame, &ImageSettings { background: Background::Transparent, ..Default::default() }).unwrap();
+        let layers = read_first_flat_layer_from_file(&path).unwrap().layer_data.channel_data.list;
+        for (name, expected) in [("R", 0.5), ("G", 0.25), ("B", 2.0), ("A", 0.0)] {
+            let layer = layers.iter().find(|layer| layer.name == *name).unwrap();
+            assert_eq!(layer.sample_data.values_as_f32().next(), Some(expected), "{name}");
+        }
     }
 
     #[test]

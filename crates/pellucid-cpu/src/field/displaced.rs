@@ -5,7 +5,7 @@ use pellucid_field::{Gradient, Reconstruct, Sampler, SplineCell, index_gradient}
 use pellucid_optics::Displacer;
 
 use super::turbulence::turbulence;
-use super::{Bounds, Field};
+use super::{Bounds, Field, Knots, Near};
 use crate::lanes::*;
 
 /// Another field, displaced. Values are asked at one's own position for whether it is clipped, and at the
@@ -60,8 +60,24 @@ impl<S: Lanes, F: Field<S>> Field<S> for Displaced<'_, F> {
 
     #[inline(always)]
     fn gradients(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
+        let (_, near) = self.values_near(s, index, lanes);
+        self.gradients_near(s, &near, lanes)
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, s: S, index: Vec3<S>) {
+        self.inner.prefetch(s, index);
+    }
+
+    /// Noise moves what is drawn by less than it bends on the way between two voxels.
+    fn knots(&self) -> Knots {
+        Knots::VOXELS
+    }
+
+    #[inline(always)]
+    fn gradients_near(&self, s: S, near: &Near<S>, lanes: Mask<S>) -> Vec3<S> {
         let zero = splat(s, 0.0);
-        let center = self.values(s, index, lanes);
+        let Near { index, value: center, .. } = *near;
         let lanes = lanes & center.is_finite();
         let mut gradient = [zero; 3];
         if !lanes.any_true() {
@@ -138,8 +154,10 @@ mod tests {
 
     fn check<S: Lanes>(s: S, volume: &Volume, region: &Region, displacer: &Displacer) {
         let (grid, sampler) = (volume.grid(), Sampler::new(volume, 0, Filter::Linear).unwrap());
-        let plain: Any<S> =
-            Any(Box::new(Entered(General(Probe::new(sampler.clone(), grid, region, Gradient::Central)))));
+        let plain: Any<S> = Any(Box::new(Entered(General(
+            Probe::new(sampler.clone(), grid, region, Gradient::Central),
+            Knots::VOXELS,
+        ))));
         let bounds = Bounds::new(grid, region);
         let field = Entered(Displaced::new(plain, displacer, bounds, grid.world_from_index_gradient()));
         let moved = Moved { sampler, displacer: Some(displacer) };

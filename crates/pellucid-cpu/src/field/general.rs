@@ -3,12 +3,12 @@
 use glam::DVec3;
 use pellucid_field::{Reconstruct, Sampler};
 
-use super::{Field, Probe};
+use super::{Field, Knots, Near, Probe};
 use crate::lanes::*;
 
 /// Any reconstruction, in f64, one lane after the other: for what lanes cannot read, as several
 /// components to a voxel, or sums wider than the grid.
-pub struct General<'a>(pub Probe<'a, Sampler<'a>>);
+pub struct General<'a>(pub Probe<'a, Sampler<'a>>, pub Knots);
 
 impl<S: Lanes> Field<S> for General<'_> {
     #[inline(always)]
@@ -19,6 +19,10 @@ impl<S: Lanes> Field<S> for General<'_> {
     #[inline(always)]
     fn gradients(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
         gradient_of_each(s, &self.0, index, lanes)
+    }
+
+    fn knots(&self) -> Knots {
+        self.1
     }
 }
 
@@ -35,6 +39,31 @@ impl<S: Lanes> Field<S> for Any<'_, S> {
     #[inline(always)]
     fn gradients(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
         self.0.gradients(s, index, lanes)
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, s: S, index: Vec3<S>) {
+        self.0.prefetch(s, index);
+    }
+
+    #[inline(always)]
+    fn values_near(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> (F32<S>, Near<S>) {
+        self.0.values_near(s, index, lanes)
+    }
+
+    #[inline(always)]
+    fn gradients_near(&self, s: S, near: &Near<S>, lanes: Mask<S>) -> Vec3<S> {
+        self.0.gradients_near(s, near, lanes)
+    }
+
+    #[inline(always)]
+    fn knots(&self) -> Knots {
+        self.0.knots()
+    }
+
+    #[inline(always)]
+    fn highest(&self, s: S, piece: &[Vec3<S>; 2], sign: f32, above: F32<S>, lanes: Mask<S>) -> [F32<S>; 2] {
+        self.0.highest(s, piece, sign, above, lanes)
     }
 }
 
@@ -53,6 +82,38 @@ impl<S: Lanes, F: Field<S>> Field<S> for Entered<F> {
         s.vectorize(
             #[inline(always)]
             || self.0.gradients(s, index, lanes),
+        )
+    }
+
+    fn prefetch(&self, s: S, index: Vec3<S>) {
+        s.vectorize(
+            #[inline(always)]
+            || self.0.prefetch(s, index),
+        );
+    }
+
+    fn values_near(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> (F32<S>, Near<S>) {
+        s.vectorize(
+            #[inline(always)]
+            || self.0.values_near(s, index, lanes),
+        )
+    }
+
+    fn gradients_near(&self, s: S, near: &Near<S>, lanes: Mask<S>) -> Vec3<S> {
+        s.vectorize(
+            #[inline(always)]
+            || self.0.gradients_near(s, near, lanes),
+        )
+    }
+
+    fn knots(&self) -> Knots {
+        self.0.knots()
+    }
+
+    fn highest(&self, s: S, piece: &[Vec3<S>; 2], sign: f32, above: F32<S>, lanes: Mask<S>) -> [F32<S>; 2] {
+        s.vectorize(
+            #[inline(always)]
+            || self.0.highest(s, piece, sign, above, lanes),
         )
     }
 }

@@ -4,6 +4,7 @@ mod cube;
 mod displaced;
 mod general;
 mod kernel;
+mod knots;
 mod probe;
 mod separable;
 mod taps;
@@ -14,6 +15,7 @@ mod word;
 
 pub use displaced::{Displaced, Moved};
 pub use general::{Any, Entered, General, lane_position};
+pub use knots::Knots;
 pub use probe::Probe;
 pub use separable::Separable;
 pub use taps::Bounds;
@@ -27,6 +29,8 @@ use crate::lanes::*;
 /// What was read for values that gradients at the same positions can use.
 pub struct Near<S: Lanes> {
     index: Vec3<S>,
+    /// The values.
+    value: F32<S>,
     /// The rows of the cell at (y, z), each with the voxel before and after; see [`Texel::quad`].
     rows: Option<[Quad<S>; 4]>,
 }
@@ -51,12 +55,24 @@ pub trait Field<S: Lanes>: Sync {
     /// for next.
     #[inline(always)]
     fn values_near(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> (F32<S>, Near<S>) {
-        (self.values(s, index, lanes), Near { index, rows: None })
+        let value = self.values(s, index, lanes);
+        (value, Near { index, value, rows: None })
     }
 
     /// As [`gradients`](Field::gradients) at the positions of values, for the same lanes or fewer.
     #[inline(always)]
     fn gradients_near(&self, s: S, near: &Near<S>, lanes: Mask<S>) -> Vec3<S> {
         self.gradients(s, near.index, lanes)
+    }
+
+    /// The planes between which the field is smooth along any ray.
+    fn knots(&self) -> Knots;
+
+    /// The largest of the values on pieces of rays, each between two index positions with no [knot](Field::knots)
+    /// between them, and which part of the way it is on: of all values times `sign`, which is 1 or -1. Negative
+    /// infinity where none is present or, possibly, where none is more than `above`.
+    #[inline(always)]
+    fn highest(&self, s: S, piece: &[Vec3<S>; 2], sign: f32, _above: F32<S>, lanes: Mask<S>) -> [F32<S>; 2] {
+        knots::highest_sampled(s, self, piece, sign, lanes)
     }
 }

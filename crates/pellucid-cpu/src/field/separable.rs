@@ -4,8 +4,9 @@ use pellucid_field::{ComponentView, Filter, Gradient, Kernel, Sampler};
 
 use super::cube::Cubes;
 use super::general::{gradient_of_each, value_of_each};
+use super::knots::highest_sampled;
 use super::taps::Bounds;
-use super::{Field, Probe, Texel, Trilinear};
+use super::{Field, Knots, Probe, Texel, Trilinear};
 use crate::lanes::*;
 
 /// A volume of voxels of type `T` under a filter and a gradient estimator whose weights are products
@@ -16,6 +17,7 @@ use crate::lanes::*;
 pub struct Separable<'a, T> {
     voxels: Cubes<'a, T>,
     values: Values<'a, T>,
+    knots: Knots,
     /// Across an axis and along it.
     gradient: [Kernel; 2],
     /// Whether gradients are those at the nearest voxel.
@@ -44,6 +46,7 @@ impl<'a, T: Texel> Separable<'a, T> {
         bounds: Bounds,
         gradient: Gradient,
         trilinear: Trilinear<'a, T>,
+        knots: Knots,
         exact: Probe<'a, Sampler<'a>>,
     ) -> Option<Self> {
         let (filter, voxels) = (exact.field().filter(), Cubes::new(&view)?);
@@ -61,6 +64,7 @@ impl<'a, T: Texel> Separable<'a, T> {
         Some(Self {
             voxels,
             values,
+            knots,
             gradient: kernels,
             rounded: filter == Filter::Nearest && gradient != Gradient::BSpline,
             scale: map.scale as f32,
@@ -111,5 +115,24 @@ impl<S: Lanes, T: Texel> Field<S> for Separable<'_, T> {
             found = xyz!(I => others.select(exact[I], found[I]));
         }
         found
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, s: S, index: Vec3<S>) {
+        if let Values::Linear(field) = &self.values {
+            field.prefetch(s, index);
+        }
+    }
+
+    fn knots(&self) -> Knots {
+        self.knots
+    }
+
+    #[inline(always)]
+    fn highest(&self, s: S, piece: &[Vec3<S>; 2], sign: f32, above: F32<S>, lanes: Mask<S>) -> [F32<S>; 2] {
+        match &self.values {
+            Values::Linear(field) => field.highest(s, piece, sign, above, lanes),
+            Values::Nearest | Values::Sum(_) => highest_sampled(s, self, piece, sign, lanes),
+        }
     }
 }

@@ -95,6 +95,33 @@ impl Bounds {
         nearest.max(zero)
     }
 
+    /// The faces on which rays in some directions enter at positions: unit normals inwards, and their offsets;
+    /// negative infinity, so that everything is deep behind it, where a ray enters in the middle of the field.
+    #[inline(always)]
+    pub fn entered<S: Lanes>(&self, s: S, entry: &Vec3<S>, direction: &Vec3<S>) -> (Vec3<S>, F32<S>) {
+        /// How far rounding may take an entry off its face.
+        const OFF: f32 = 2e-3;
+        let (zero, one) = (splat(s, 0.0), splat(s, 1.0));
+        let (mut found, mut offset, mut least) = ([zero; 3], splat(s, f32::NEG_INFINITY), splat(s, OFF));
+        for axis in 0..3 {
+            let ascends = direction[axis].simd_gt(zero);
+            let sign = ascends.select(one, -one);
+            let at = ascends.select(splat(s, self.low[axis]), splat(s, -self.high[axis]));
+            let off = sign.mul_add(entry[axis], -at).abs();
+            let nearer = off.simd_lt(least) & direction[axis].simd_ne(zero);
+            found = xyz!(I => nearer.select(if I == axis { sign } else { zero }, found[I]));
+            (offset, least) = (nearer.select(at, offset), nearer.select(off, least));
+        }
+        for (normal, at) in &self.planes {
+            let normal = xyz!(I => splat(s, normal[I]));
+            let off = (dot::<S>(normal, *entry) - *at).abs();
+            let nearer = off.simd_lt(least) & dot::<S>(normal, *direction).simd_gt(zero);
+            found = xyz!(I => nearer.select(normal[I], found[I]));
+            (offset, least) = (nearer.select(splat(s, *at), offset), nearer.select(off, least));
+        }
+        (found, offset)
+    }
+
     /// Whether the taps one index step before and after a position along an axis exist. The
     /// position itself does.
     #[inline(always)]

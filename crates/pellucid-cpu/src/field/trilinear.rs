@@ -1,10 +1,10 @@
 //! Trilinear interpolation and its central differences, for all lanes at once (1.5-10, 5.3-4).
 
-use pellucid_field::{ComponentView, Linear};
+use pellucid_field::{ComponentView, Filter, Linear};
 
 use super::general::{gradient_of_each, value_of_each};
 use super::taps::Bounds;
-use super::{Field, Near, Probe, Quad, Texel};
+use super::{Field, Knots, Near, Probe, Quad, Texel};
 use crate::lanes::*;
 
 /// A volume of voxels of type `T` under the trilinear filter.
@@ -24,6 +24,7 @@ pub struct Trilinear<'a, T> {
     /// From differences of stored numbers per index step to data units per world unit.
     gradient_map: [[f32; 3]; 3],
     exact: Probe<'a, Linear<'a, T>>,
+    has_holes: bool,
 }
 
 /// Where positions lie among the voxels.
@@ -37,9 +38,14 @@ struct Cell<S: Lanes> {
 }
 
 impl<'a, T: Texel> Trilinear<'a, T> {
-    /// The field of a component, or `None` if it cannot be read with vectors: several components
+    /// The field of a component some voxels of which may be absent, or `None` if it cannot be read with vectors: several components
     /// to a voxel, an axis without cells, or more voxels than 32-bit offsets reach.
-    pub fn new(view: ComponentView<'a, T>, bounds: Bounds, exact: Probe<'a, Linear<'a, T>>) -> Option<Self> {
+    pub fn new(
+        view: ComponentView<'a, T>,
+        has_holes: bool,
+        bounds: Bounds,
+        exact: Probe<'a, Linear<'a, T>>,
+    ) -> Option<Self> {
         let (dims, stride, data) = (view.dims(), view.stride(), view.data());
         let fits = data.len() < i32::MAX as usize && dims.iter().product::<usize>() == data.len();
         if stride[0] != 1 || !fits || dims.iter().any(|&n| n < 2) {
@@ -57,6 +63,7 @@ impl<'a, T: Texel> Trilinear<'a, T> {
             bounds,
             gradient_map: matrix.to_cols_array_2d(),
             exact,
+            has_holes,
         })
     }
 
@@ -219,7 +226,8 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
             lerp::<S>(u[0], left, right)
         });
         let stored = lerp::<S>(u[2], lerp::<S>(u[1], a, b), lerp::<S>(u[1], c, d));
-        (self.found(s, stored, index, lanes), Near { index, rows: Some(rows) })
+        let value = self.found(s, stored, index, lanes);
+        (value, Near { index, value, rows: Some(rows) })
     }
 
     /// Rays of a packet are close to each other: its corners stand for all. Pays from the size of
@@ -242,12 +250,75 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
 
     #[inline(always)]
     fn gradients(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
-        self.gradients_near(s, &Near { index, rows: None }, lanes)
+        self.differences(s, index, None, lanes)
     }
 
     #[inline(always)]
     fn gradients_near(&self, s: S, near: &Near<S>, lanes: Mask<S>) -> Vec3<S> {
         self.differences(s, near.index, near.rows.as_ref(), lanes)
+    }
+
+    fn knots(&self) -> Knots {
+        Knots::new(Filter::Linear, self.has_holes)
+    }
+
+    /// Along a ray the interpolation in a cell is a cubic, whose largest value is known; none is more than the
+    /// largest voxel, so that most cells need no more than that.
+    #[inline(always)]
+    fn highest(&self, s: S, [from, to]: &[Vec3<S>; 2], sign: f32, above: F32<S>, lanes: Mask<S>) -> [F32<S>; 2] {
+        let (zero, one) = (splat(s, 0.0), splat(s, 1.0));
+        let Cell { voxel, offset, u: middle } = self.locate(s, &xyz!(I => (from[I] + to[I]) * 0.5));
+        let [dy, dz] = self.stride;
+        let at_end = T::OVERREAD > 0 && self.at_end(s, offset, (dy + dz) as usize + 1 + T::OVERREAD);
+        let steps = [0, dy, dz, dy + dz];
+        // SAFETY: `locate` gives a cell of the grid, and the rows at dy, dz and dy + dz are its
+        // other edges.
+        let mut rows = unsafe { rgba!(R => T::pair(s, self.data, offset, steps[R], at_end)) };
+        if self.has_holes {
+            // No piece passes from the part of one voxel to that of another.
+            let high = xyz!(I => middle[I].simd_ge(splat(s, 0.5)));
+            let [a, b, c, d] = rgba!(R => high[0].select(rows[R][1], rows[R][0]));
+            let nearest = high[2].select(high[1].select(d, c), high[1].select(b, a));
+            rows = rgba!(R => {
+                let [a, b] = rows[R];
+                [a.is_finite().select(a, nearest), b.is_finite().select(b, nearest)]
+            });
+        }
+        if sign * self.scale < 0.0 {
+            rows = rgba!(R => [-rows[R][0], -rows[R][1]]);
+        }
+        let (scale, shift) = (splat(s, self.scale.abs()), splat(s, sign * self.offset));
+        let [a, b, c, d] = rgba!(R => rows[R][0].max(rows[R][1]));
+        let top = a.max(b).max(c.max(d));
+        let none = splat(s, f32::NEG_INFINITY);
+        let live = lanes & top.is_finite() & top.mul_add(scale, shift).simd_gt(above);
+        if !live.any_true() {
+            return [none, zero];
+        }
+        let start = xyz!(I => (from[I] - voxel[I].to_float::<F32<S>>()).max(zero).min(one));
+        let way = xyz!(I => (to[I] - voxel[I].to_float::<F32<S>>()).max(zero).min(one) - start[I]);
+        let [a, b, c, d] = rgba!(R => {
+            let [left, right] = rows[R];
+            between::<S>(&[left, zero, zero, zero], &[right, zero, zero, zero], start[0], way[0])
+        });
+        let (near, far) = (between::<S>(&a, &b, start[1], way[1]), between::<S>(&c, &d, start[1], way[1]));
+        let cubic = between::<S>(&near, &far, start[2], way[2]);
+        let [c0, c1, c2, c3] = cubic;
+        let end = polynomial::<S>(&cubic, one);
+        let rises = end.simd_gt(c0);
+        let (mut best, mut part) = (rises.select(end, c0), rises.select(one, zero));
+        // Where the slope `c1 + 2 c2 t + 3 c3 t^2` is 0; numbers that are none are not between 0 and 1.
+        let root = c2.mul_add(c2, c3 * c1 * -3.0).sqrt();
+        let sum = c2.simd_lt(zero).select(root - c2, -root - c2);
+        for t in [sum / (c3 * 3.0), c1 / sum] {
+            let inside = live & t.simd_gt(zero) & t.simd_lt(one);
+            if inside.any_true() {
+                let value = polynomial::<S>(&cubic, t);
+                let better = inside & value.simd_gt(best);
+                (best, part) = (better.select(value, best), better.select(t, part));
+            }
+        }
+        [live.select(best.min(top).mul_add(scale, shift), none), part]
     }
 }
 
@@ -262,4 +333,22 @@ fn difference<S: Lanes>(u: F32<S>, [a, b, c, d]: [F32<S>; 4], taps: Option<&[Mas
             lerp::<S>(u, right[0] - left[0], right[1] - left[1])
         }
     }
+}
+
+/// The polynomial `p (1 - u) + q u`, where `u` is `start + way t`; lowest coefficient first.
+#[inline(always)]
+fn between<S: Lanes>(p: &[F32<S>; 4], q: &[F32<S>; 4], start: F32<S>, way: F32<S>) -> [F32<S>; 4] {
+    let step = rgba!(N => q[N] - p[N]);
+    [
+        start.mul_add(step[0], p[0]),
+        way.mul_add(step[0], start.mul_add(step[1], p[1])),
+        way.mul_add(step[1], start.mul_add(step[2], p[2])),
+        way * step[2],
+    ]
+}
+
+/// A cubic at a place.
+#[inline(always)]
+fn polynomial<S: Lanes>(cubic: &[F32<S>; 4], t: F32<S>) -> F32<S> {
+    cubic[3].mul_add(t, cubic[2]).mul_add(t, cubic[1]).mul_add(t, cubic[0])
 }

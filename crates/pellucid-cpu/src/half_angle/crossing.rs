@@ -145,6 +145,13 @@ impl<S: Lanes> Crossings<S> {
         xyz!(I => self.direction[I].mul_add(along, self.origin[I]))
     }
 
+    /// Where rays come into the field from the eye, and their directions there; `backward` ones leave the slabs there.
+    #[inline(always)]
+    pub fn entry(&self, backward: Mask<S>) -> [Vec3<S>; 2] {
+        let direction = xyz!(I => backward.select(-self.direction[I], self.direction[I]));
+        [self.at(backward.select(self.to, self.from)), direction]
+    }
+
     /// Length of rays in a slab, in steps.
     #[inline(always)]
     pub fn stretch(&self) -> F32<S> {

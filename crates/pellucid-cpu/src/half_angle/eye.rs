@@ -13,13 +13,14 @@ use super::frame::Project;
 use super::transport;
 use crate::chroma;
 use crate::classify::Lookup;
+use crate::cut::{Cut, Cuts};
 use crate::field::Field;
 use crate::integrator::{Found, Tally};
 use crate::lanes::*;
 use crate::packet::{Packet, PerLane};
 use crate::prepare::Prepared;
 use crate::skip::SkipGrid;
-use crate::surface::{Surface, Unlit, normals};
+use crate::surface::{Aim, Surface, Unlit, normals};
 use crate::vary::Varied;
 
 /// Rays of the eye side by side, and what they have gathered.
@@ -107,6 +108,8 @@ pub struct Eye<'a, S: Lanes, F> {
     pub into_cone: Option<[f32; 3]>,
     /// Factors of direct and indirect light.
     pub scales: [f32; 2],
+    /// Where matter is cut.
+    pub cuts: Cuts,
     /// Blocks that can contribute, if empty space is skipped.
     pub skip: Option<&'a SkipGrid>,
     /// What varies optics, if anything does.
@@ -136,6 +139,7 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
         let [mut half, mut samples] = [load(s, &packet.half), load(s, &packet.samples)];
         let backward = load(s, &packet.backward).simd_gt(splat(s, 0.5));
         let aim = self.surface.aim(s, xyz!(I => load(s, &packet.to_eye[I])));
+        let cut = self.cut(&rays, backward);
         let end = run.end.min(packet.last);
         let mut k = packet.next.max(run.start);
         while k < end {
@@ -161,7 +165,8 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
                     continue;
                 }
                 samples = lanes.select(samples + 1.0, samples);
-                let Some((rgba, visible)) = self.sample(&passage, lanes, k, &lights[k - run.start], &aim) else {
+                let Some((rgba, visible)) = self.sample(&passage, lanes, k, &lights[k - run.start], (&aim, &cut))
+                else {
                     continue;
                 };
                 tally.visible += count::<S>(visible);
@@ -195,7 +200,7 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
         lanes: Mask<S>,
         k: usize,
         light: &LightBuffer,
-        aim: &crate::surface::Aim<S>,
+        (aim, cut): (&Aim<S>, &Cut<S>),
     ) -> Option<([F32<S>; 4], Mask<S>)> {
         let s = self.s;
         let Passage { place, index, ratio, .. } = *passage;
@@ -234,7 +239,10 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
             &sample,
             aim,
             #[inline(always)]
-            || self.field.gradients(s, index, visible),
+            || {
+                let gradients = self.field.gradients(s, index, visible);
+                if self.surface.weighs_gradients() { gradients } else { cut.gradients(s, &index, gradients) }
+            },
             #[inline(always)]
             |_| direct,
         );
@@ -246,6 +254,13 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
             }
         }
         Some((lit, visible))
+    }
+
+    /// The faces by which the eye's rays come in, which for some is where they leave the last slab.
+    #[inline(always)]
+    fn cut(&self, rays: &Crossings<S>, backward: Mask<S>) -> Cut<S> {
+        let [entry, direction] = rays.entry(backward);
+        self.cuts.met(self.s, &entry, &direction)
     }
 
     /// The noise at index positions, if optics vary.
@@ -315,9 +330,12 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
         mut each: impl FnMut(usize, Found),
     ) {
         let s = self.s;
-        let ((index, met, normal), alpha) = s.vectorize(
+        let ((index, met, normal), alpha, opacities) = s.vectorize(
             #[inline(always)]
-            || (self.half(packet), chroma::coverage(s, self.chroma.as_ref(), load(s, &packet.color[3]))),
+            || {
+                let (alpha, chroma) = (load(s, &packet.color[3]), self.chroma.as_ref());
+                (self.half(packet), chroma::coverage(s, chroma, alpha), chroma::opacities(s, chroma, alpha))
+            },
         );
         let bits = met.to_bitmask();
         for lane in packet.crossing.lanes() {
@@ -329,6 +347,7 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
             };
             let found = Found {
                 color: [packet.color[0][lane], packet.color[1][lane], packet.color[2][lane], alpha[lane]],
+                opacities: [opacities[0][lane], opacities[1][lane], opacities[2][lane]],
                 depth: if is_met { depth() } else { f32::INFINITY },
                 normal: if is_met { [0, 1, 2].map(|axis| normal[axis][lane]) } else { [0.0; 3] },
                 samples: packet.samples[lane] as u32,
@@ -355,8 +374,8 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
         // By rounding, opacity may reach one half on the one way and not on the other.
         let met = met & half.is_finite();
         let found = rays.at(met.select(half, zero));
-        let normal = normals(s, self.field.gradients(s, found, met)).0;
-        (found, met, normal)
+        let gradient = self.cut(&rays, backward).gradients(s, &found, self.field.gradients(s, found, met));
+        (found, met, normals(s, gradient).0)
     }
 
     /// Coordinates at which opacity first reaches one half, infinite if never: rays whose last slabs were seen first

@@ -150,7 +150,9 @@ impl<'f, S: Lanes> WithField<'f, S> for EyeSweep<'_, S> {
                 let (left, top) = (packet.corner[0], packet.corner[1]);
                 eye.finish(packet, prepared.stage, &world_from_index, |lane, mut found: Found| {
                     // Light of several sweeps adds up; what holds it back is the same in all of them.
-                    found.color[3] /= drawing.lights as f32;
+                    let lights = drawing.lights as f32;
+                    found.color[3] /= lights;
+                    found.opacities = found.opacities.map(|opacity| opacity / lights);
                     tile.hit += u64::from(drawing.is_first);
                     tile.tally.samples += u64::from(found.samples);
                     tile.add(left + lane % columns, top + lane / columns, rays, &found);
@@ -205,6 +207,7 @@ impl Drawing<'_> {
             into_cone: (settings.in_scatter != InScatter::Indirect)
                 .then(|| into_cone(&prepared.volume.scattering, settings)),
             scales: [settings.direct, settings.indirect],
+            cuts: prepared.cuts(),
             skip: prepared.grids.skip.as_ref(),
             varied: prepared.varied(),
             early_termination: stage.quality.early_termination,

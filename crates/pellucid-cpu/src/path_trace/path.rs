@@ -37,6 +37,8 @@ pub struct Found {
     pub met: bool,
     /// Linear RGB radiance.
     pub radiance: [f32; 3],
+    /// What it carries of each colour of light from behind, all of which has come through.
+    pub passed: [f32; 3],
     /// Distance from the eye to the first collision in world units; infinite if there was none.
     pub depth: f32,
     /// Looks at the field.
@@ -46,7 +48,7 @@ pub struct Found {
 impl<F: Values> World<'_, F> {
     /// Follows a ray from the eye to where its light came from, of which there is some only between two distances.
     pub fn follow(&self, ray: &Ray, between: [f64; 2], random: &mut Random) -> Found {
-        let mut found = Found { met: false, radiance: [0.0; 3], depth: f32::INFINITY, looks: 0 };
+        let mut found = Found { met: false, radiance: [0.0; 3], passed: [1.0; 3], depth: f32::INFINITY, looks: 0 };
         let Some((entry, mut flight)) = self.medium.space.enter(ray, between) else { return found };
         found.met = true;
         let mut forward = ray.direction.as_vec3();
@@ -62,9 +64,12 @@ impl<F: Values> World<'_, F> {
             let Some(collision) = collision else {
                 if scatterings > 0 {
                     self.add_sky(&mut found.radiance, throughput, forward, density);
+                } else {
+                    found.passed = throughput;
                 }
                 return found;
             };
+            found.passed = [0.0; 3];
             let at = flight.at(collision.distance);
             if scatterings == 0 {
                 found.depth = (entry + f64::from(collision.distance)) as f32;

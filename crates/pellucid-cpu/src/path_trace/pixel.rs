@@ -82,11 +82,12 @@ impl<F: Values> Paths<'_, F> {
             Some(Sight::Between(between)) => between,
             Some(Sight::Nowhere(met)) => {
                 // The middle ray was cast for all of them.
-                let found = Found { color: [0.0; 4], depth: f32::INFINITY, normal: [0.0; 3], samples: 0 };
+                let (depth, normal) = (f32::INFINITY, [0.0; 3]);
+                let found = Found { color: [0.0; 4], opacities: [0.0; 3], depth, normal, samples: 0 };
                 return Ok(Pixel { found, noise: 0.0, paths: 1, met: u32::from(met), collided: 0 });
             }
         };
-        let (mut radiance, mut met, mut collided, mut looks) = ([0.0f64; 3], 0u32, 0u32, 0u32);
+        let (mut radiance, mut passed, mut met, mut collided, mut looks) = ([0.0f64; 3], [0.0f64; 3], 0u32, 0u32, 0u32);
         let mut brightness = Welford::default();
         depths.clear();
         for sample in 0..settings.samples {
@@ -98,6 +99,7 @@ impl<F: Values> Paths<'_, F> {
             let found = self.world.follow(&ray, between, &mut random);
             for channel in 0..3 {
                 radiance[channel] += f64::from(found.radiance[channel]);
+                passed[channel] += f64::from(found.passed[channel]);
             }
             brightness.add(f64::from(luminance(found.radiance)));
             met += u32::from(found.met);
@@ -117,7 +119,8 @@ impl<F: Values> Paths<'_, F> {
         let (_, depth, _) = depths.select_nth_unstable_by(middle, f32::total_cmp);
         let color = [r, g, b, (f64::from(collided) / count) as f32];
         let normal = self.world.normal(&self.lens.middle(x, y), *depth);
-        let found = Found { color, depth: *depth, normal, samples: looks };
+        let opacities = passed.map(|sum| (1.0 - sum / count) as f32);
+        let found = Found { color, opacities, depth: *depth, normal, samples: looks };
         let noise = brightness.standard_error() as f32;
         Ok(Pixel { found, noise, paths: brightness.count, met, collided })
     }

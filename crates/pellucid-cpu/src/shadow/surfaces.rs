@@ -5,7 +5,7 @@ use crate::field::Any;
 use crate::integrator::Counter;
 use crate::isosurface::{Level, between};
 use crate::lanes::*;
-use crate::segments::{Segment, Verdict, Visit, each_segment};
+use crate::segments::{Segment, Verdict, Visit, each_surface};
 use crate::skip::SkipGrid;
 
 /// Surfaces between samples, which lie on one of them, and lights.
@@ -32,7 +32,7 @@ impl<S: Lanes> Shadow<S> for Surfaces<'_, S> {
                 // Away from the surface that is lit: how it is turned is what `n . l` tells.
                 let rays = self.ways.rays(s, light, index, lanes, self.away);
                 let mut passing = Passing { surfaces: self, through: splat(s, 1.0) };
-                each_segment(s, &self.field, &rays, self.skip, &mut Counter::new(s), &mut passing);
+                each_surface(s, &self.field, &rays, self.skip, &mut Counter::new(s), &mut passing);
                 passing.through
             },
         )

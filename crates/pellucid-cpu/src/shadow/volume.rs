@@ -56,7 +56,7 @@ impl LightVolume {
         let Voxels::F32(data) = self.volume.voxels() else { return None };
         let view = ComponentView::new(&self.volume, data, 0);
         let probe = Probe::new(Linear(view), self.volume.grid(), &self.region, Gradient::Central);
-        Trilinear::new(view, Bounds::new(self.volume.grid(), &self.region), probe)
+        Trilinear::new(view, false, Bounds::new(self.volume.grid(), &self.region), probe)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Emission and absorption, front to back (1.4-8), under the three classifications.
 
+use glam::DVec3;
+use pellucid_optics::{DataRange, Table};
 use pellucid_scene::Classification;
 
 use super::path::Path;
@@ -15,8 +17,17 @@ struct Sample {
 }
 
 impl Reference<'_> {
-    /// The medium along a path.
-    pub fn composite(&self, path: &Path) -> Seen {
+    /// The medium along a path; `None` if rounding decides by which face it comes in.
+    pub fn composite(&self, path: &Path) -> Option<Seen> {
+        let cut = match path.faces[..] {
+            [] => None,
+            [face] => Some(face),
+            _ => return None,
+        };
+        let gradient_of = |p: DVec3, value: f64, world: DVec3| {
+            let own = self.field.gradient(p, value);
+            cut.map_or(own, |face| self.impregnated(own, face, world - path.ray.at(path.entry)))
+        };
         let samples = match self.stage.quality.classification {
             Classification::Post => self.post(path),
             Classification::Pre => self.pre(path),
@@ -32,15 +43,17 @@ impl Reference<'_> {
             }
             let world = path.ray.at(sample.distance);
             let p = self.field.index(world);
-            let gradient = self.field.gradient(p, sample.value);
+            let gradient = gradient_of(p, sample.value, world);
+            let weighs = self.staged.gradient_weight.is_some();
+            let gradient_lit = if weighs { self.field.gradient(p, sample.value) } else { gradient };
             let base = [r / alpha, g / alpha, b / alpha];
             let lit = |gradient| self.lit(base, world, gradient, -path.ray.direction);
-            let [r, g, b] = lit(gradient);
+            let [r, g, b] = lit(gradient_lit);
             let share = (1.0 - seen.color[3]) * alpha;
             for (channel, light) in seen.color.iter_mut().zip([r, g, b, 1.0]) {
                 *channel += share * light;
             }
-            for other in self.field.doubtful_gradients(p, sample.value, gradient) {
+            for other in self.field.doubtful_gradients(p, sample.value, gradient_lit) {
                 for (channel, (a, b)) in seen.doubt.iter_mut().zip([r, g, b].into_iter().zip(lit(other))) {
                     *channel += share * (a - b).abs();
                 }
@@ -57,12 +70,29 @@ impl Reference<'_> {
         match halves {
             [None, None] => (),
             [Some(early), Some(late)] if early == late => {
-                let p = self.field.index(path.ray.at(early));
-                (seen.depth, seen.normal) = (Some(early), self.field.normal(p, self.field.value(p)));
+                let world = path.ray.at(early);
+                let p = self.field.index(world);
+                let gradient = gradient_of(p, self.field.value(p), world);
+                (seen.depth, seen.normal) = (Some(early), self.field.normal_of(gradient));
             }
             _ => (seen.depth, seen.normal) = (None, None),
         }
-        seen
+        Some(seen)
+    }
+
+    /// The gradient so far inside a face by which a ray came in: of the matter, as if the values rose there by the
+    /// width of the transfer function in one voxel, and beyond the first voxel of the data, more and more (C-28).
+    fn impregnated(&self, own: DVec3, face: DVec3, inside: DVec3) -> DVec3 {
+        let grid = self.staged.volume.grid();
+        let index_normal = grid.world_from_index().matrix3.transpose() * face;
+        let depth = inside.dot(face) / index_normal.length();
+        if depth >= 8.0 {
+            return own;
+        }
+        let [low, high] = Table::for_data(self.tf, &DataRange::of(&self.staged.volume)).unwrap().nodes().domain();
+        let rise = if high > low { high - low } else { 1.0 };
+        let steep = face * (rise / index_normal.length());
+        own * (depth - 1.0).clamp(0.0, 1.0) + steep / depth.max(1.0).powi(2)
     }
 
     /// The transfer function of the interpolated value (4.3-1).

@@ -174,9 +174,24 @@ impl<'a> Field<'a> {
     /// The unit normal towards lower values, zero where the field is flat; `None` where the gradient
     /// is too short for its direction to be more than rounding.
     pub fn normal(&self, p: DVec3, center: f64) -> Option<DVec3> {
-        let gradient = self.gradient(p, center);
+        self.normal_of(self.gradient(p, center))
+    }
+
+    /// The same of a gradient in the world.
+    pub fn normal_of(&self, gradient: DVec3) -> Option<DVec3> {
         let index_gradient = self.grid().world_from_index().matrix3.transpose() * gradient;
         let certain = gradient == DVec3::ZERO || index_gradient.length() > 2e-3 * self.range;
         certain.then(|| -gradient.try_normalize().unwrap_or(DVec3::ZERO))
+    }
+
+    /// Whether the nearest voxel is the value.
+    pub fn is_of_nearest_voxels(&self) -> bool {
+        self.filter == Filter::Nearest
+    }
+
+    /// Whether some voxels are absent.
+    pub fn has_holes(&self) -> bool {
+        let statistics = self.volume.statistics();
+        statistics.nan + statistics.infinite > 0
     }
 }

@@ -31,9 +31,8 @@ impl Reference<'_> {
                 let base = level.color.map_or_else(|| self.tf.color(level.value), |c| c.to_linear(ColorSpace::Srgb));
                 let color = self.lit(base.map(f64::from), world, self.field.gradient(p, level.value), to_eye);
                 if seen.depth == Some(f64::INFINITY) {
-                    let toward_eye = |normal: glam::DVec3| if normal.dot(to_eye) < 0.0 { -normal } else { normal };
                     seen.depth = Some(distance);
-                    seen.normal = self.field.normal(p, level.value).map(toward_eye);
+                    seen.normal = self.field.normal(p, level.value);
                 }
                 let share = (1.0 - seen.color[3]) * f64::from(level.opacity);
                 for (channel, light) in seen.color.iter_mut().zip([color[0], color[1], color[2], 1.0]) {

@@ -98,7 +98,7 @@ impl<'a> Reference<'a> {
 
     fn trace(&self, path: &Path) -> Option<Seen> {
         Some(match self.mode {
-            Mode::Composite => self.composite(path),
+            Mode::Composite => return self.composite(path),
             Mode::Maximum => self.extreme(path, 1.0, false),
             Mode::Minimum => self.extreme(path, -1.0, false),
             Mode::Average => self.average(path, false),

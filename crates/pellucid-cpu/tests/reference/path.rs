@@ -7,8 +7,12 @@ use pellucid_scene::{Ray, Stage};
 pub struct Path {
     /// The ray.
     pub ray: Ray,
-    entry: f64,
-    exit: f64,
+    /// Distance at which it begins.
+    pub entry: f64,
+    /// Distance at which it ends.
+    pub exit: f64,
+    /// The faces of the box, clips and half-spaces on which it begins: inward normals in the world.
+    pub faces: Vec<DVec3>,
     step: f64,
     jitter: f64,
 }
@@ -21,14 +25,21 @@ impl Path {
         let (low, high) = grid.index_bounds();
         let origin = grid.index_from_world().transform_point3(ray.origin);
         let direction = grid.index_from_world().transform_vector3(ray.direction);
+        let world_from_index_gradient = grid.index_from_world().matrix3.transpose();
         let faces = (0..3).flat_map(|axis| {
             let (o, d) = (origin[axis], direction[axis]);
-            [(o - low[axis], d), (high[axis] - o, -d)]
+            let normal = world_from_index_gradient.col(axis).normalize();
+            [(o - low[axis], d, normal), (high[axis] - o, -d, -normal)]
         });
         let half_spaces = staged.region.half_spaces().iter().copied().chain(slab);
-        let planes = half_spaces.map(|(normal, offset)| (normal.dot(ray.origin) - offset, normal.dot(ray.direction)));
+        // In voxels, as the box.
+        let planes = half_spaces.map(|(normal, offset)| {
+            let voxel = (grid.world_from_index().matrix3.transpose() * normal).length();
+            ((normal.dot(ray.origin) - offset) / voxel, normal.dot(ray.direction) / voxel, normal)
+        });
+        let all: Vec<(f64, f64, DVec3)> = faces.chain(planes).collect();
         let (mut entry, mut exit) = (0.0f64, f64::INFINITY);
-        for (above, slope) in faces.chain(planes) {
+        for &(above, slope, _) in &all {
             if slope == 0.0 && above < 0.0 {
                 return None;
             }
@@ -39,7 +50,10 @@ impl Path {
                 exit = exit.min(-above / slope);
             }
         }
-        (entry < exit).then_some(Self { ray, entry, exit, step: stage.step, jitter })
+        // Of two that meet within so many voxels there, rounding decides which it is.
+        let near = |&&(above, slope, _): &&(f64, f64, DVec3)| slope > 0.0 && (above + slope * entry).abs() < 4e-3;
+        let faces = all.iter().filter(near).map(|face| face.2).collect();
+        (entry < exit).then_some(Self { ray, entry, exit, faces, step: stage.step, jitter })
     }
 
     /// Distance and length of every sample: segments of one step from the entry on, the last one

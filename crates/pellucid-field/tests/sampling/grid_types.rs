@@ -99,3 +99,28 @@ fn every_type_gives_the_same_samples() {
         assert!(samples.iter().all(|&sample| sample == samples[0]), "{filter:?} {samples:?}");
     }
 }
+
+/// Single precision ends at 1e38: what light and gradients could not be computed of is refused, with what is allowed.
+#[test]
+fn spacings_beyond_single_precision_are_refused() {
+    use pellucid_field::{FieldError, Grid};
+    for spacing in [1e-45, 1e-38, 0.9e-30, 1.1e30, 1e39, 1e60] {
+        for axis in 0..3 {
+            let mut all = [1.0; 3];
+            all[axis] = spacing;
+            let error = Grid::with_spacing([4; 3], all, [0.0; 3]).unwrap_err();
+            assert!(
+                matches!(error, FieldError::Extent { found, .. } if (found / spacing - 1.0).abs() < 1e-9),
+                "{error}"
+            );
+            let text = error.to_string();
+            assert!(text.contains("1e-30 to 1e30") && text.contains("spacing"), "{text}");
+        }
+    }
+    assert!(
+        Grid::with_spacing([4; 3], [1e-29; 3], [0.0; 3]).is_ok()
+            && Grid::with_spacing([4; 3], [1e29; 3], [0.0; 3]).is_ok()
+    );
+    let far = Grid::with_spacing([4; 3], [1.0; 3], [0.0, -1e36, 0.0]).unwrap_err();
+    assert!(far.to_string().contains("origin"), "{far}");
+}

@@ -200,7 +200,9 @@ impl<'a> HalfAngleSlicer<'a> {
             presence: presence.transpose()?,
             eye: pipelines.get(device, variant(Pass::HalfAngleEye))?.clone(),
             surface: pipelines.get(device, variant(Pass::HalfAngleSurface))?.clone(),
-            resolve: pipelines.get(device, Variant::of(Pass::Resolve))?.clone(),
+            resolve: pipelines
+                .get(device, Variant { chromatic: stage.holds_back_each_color(), ..Variant::of(Pass::Resolve) })?
+                .clone(),
             device,
             resident,
             stage,
@@ -224,7 +226,10 @@ impl<'a> HalfAngleSlicer<'a> {
         let (mut row, end) = (first, if width == 0 { first } else { first + height });
         while row < end {
             let rows = self.resident.plan.rows.min(end - row);
-            let targets = Targets::kept(&mut reused.targets, self.device, picture.width, [width, rows]);
+            let targets = {
+                let shape = (picture.width, self.stage.holds_back_each_color());
+                Targets::kept(&mut reused.targets, self.device, shape, [width, rows])
+            };
             for sub in 0..subs {
                 for light in 0..self.lights.len() {
                     let place = [row, rows, sub];

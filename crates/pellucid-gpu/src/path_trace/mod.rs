@@ -75,7 +75,9 @@ impl<'a> PathTracer<'a> {
         let bindings =
             Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter);
         let trace = pipelines.get(device, Variant { pass: Pass::PathTrace, ..bindings.variant })?.clone();
-        let pixels = pipelines.get(device, Variant { pass: Pass::PathTracePixels, ..bindings.variant })?.clone();
+        let chromatic = stage.holds_back_each_color();
+        let pixels = Variant { pass: Pass::PathTracePixels, chromatic, ..bindings.variant };
+        let pixels = pipelines.get(device, pixels)?.clone();
         let numbers = Paths::new(stage, volume, settings, majorants, sky);
         let number = |(block, &[_, most]): (usize, &[f32; 2])| {
             [most * stage.step as f32, f32::from(majorants.leaps.distance(block))]
@@ -106,7 +108,10 @@ impl<'a> PathTracer<'a> {
         let mut paths = 0;
         while row < end {
             let rows = self.resident.plan.rows.min(end - row);
-            let targets = Targets::kept(&mut reused.targets, self.device, picture.width, [width, rows]);
+            let targets = {
+                let shape = (picture.width, self.pixels.variant.chromatic);
+                Targets::kept(&mut reused.targets, self.device, shape, [width, rows])
+            };
             let report = |done: f64| {
                 control.report((f64::from(row - first) + f64::from(rows) * done) / f64::from(height));
             };

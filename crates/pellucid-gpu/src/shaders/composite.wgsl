@@ -4,7 +4,7 @@
 #import pellucid::ray::{Ray, Sample}
 #import pellucid::march::State
 #import pellucid::surface::add_sample
-#import pellucid::table::{classify_stride, coverage, over_length}
+#import pellucid::table::{classify_stride, coverage, each_opacity, over_length}
 #import pellucid::vary::varied
 #ifdef PRECLASSIFIED
 #import pellucid::preclassify::classify_voxels
@@ -31,5 +31,9 @@ fn visit(state: ptr<function, State>, ray: Ray, sample: Sample, p: vec3<f32>) ->
 }
 
 fn finish(state: ptr<function, State>) {
+#ifdef CHROMATIC
+    // What is held back of each colour behind: nothing else has a place in a ray that is done.
+    (*state).place = vec4<f32>((*state).place.x, each_opacity((*state).color.a));
+#endif
     (*state).color.a = coverage((*state).color.a);
 }

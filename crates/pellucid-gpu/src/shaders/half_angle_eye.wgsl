@@ -4,7 +4,7 @@
 #import pellucid::march::{states, turn_of}
 #import pellucid::light::{add_light, in_light, in_the_dark, incident}
 #import pellucid::eye::eye_crossing
-#import pellucid::ray::nonzeros
+#import pellucid::ray::{nonzeros, Ray}
 #import pellucid::slab::{matter_of, Matter}
 #ifdef SKIP
 #import pellucid::skip::clear_steps
@@ -46,7 +46,7 @@ fn leap(crossing: Crossing, inverse: vec3<f32>, first: u32, end: u32) -> u32 {
 }
 
 // What is seen of the light that has come to a sample, and its opacity.
-fn seen(passage: Passage, matter: Matter, slab: u32, to_eye: vec3<f32>) -> vec4<f32> {
+fn seen(passage: Passage, matter: Matter, slab: u32, ray: Ray) -> vec4<f32> {
     let p = passage.position;
     let rgba = over_length(matter.color, passage.ratio);
     let lost = loss(layer_of(slab), in_picture(p).xy);
@@ -68,7 +68,7 @@ fn seen(passage: Passage, matter: Matter, slab: u32, to_eye: vec3<f32>) -> vec4<
 #endif
     }
     let light = sweep.light;
-    var sample = in_the_dark(matter.value, gradient_of_surface(p), to_eye);
+    var sample = in_the_dark(matter.value, gradient_of_surface(ray, p), ray.to_eye);
     add_light(&sample, light, p, each_color(direct) * sweep.scales.x);
     var color = in_light(sample, rgba);
 #ifdef INDIRECT
@@ -109,7 +109,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             // As in `matter_of`.
             while is_open {
                 counts.y += 1u;
-                let found = seen(passage, matter, slab, turn.ray.to_eye);
+                let found = seen(passage, matter, slab, turn.ray);
                 // In front of what is there (over), or behind it (under).
                 let front = select(color, found, eye.is_backward);
                 let behind = select(found, color, eye.is_backward);

@@ -6,7 +6,7 @@
 #import pellucid::slab::matter_of
 #import pellucid::surface::add_normal
 #import pellucid::sweep::{load_sweep, passage_of, sweep}
-#import pellucid::table::{coverage, opacity_over}
+#import pellucid::table::{coverage, each_opacity, opacity_over}
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -18,7 +18,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let found = turn.state.place;
     // Light of several sweeps adds up; what holds it back is the same in all of them.
     turn.state.color += vec4<f32>(found.rgb, coverage(found.a) / sweep.scales.w);
-    turn.state.place = vec4<f32>(0.0);
+    // The next sweep begins anew.
+    turn.state.place = vec4<f32>(0.0, each_opacity(found.a));
     if found.a >= 0.5 && turn.state.surface.w == NOWHERE {
         let eye = eye_crossing(turn.ray);
         let first = u32(max(eye.crossing.ends.x, 0.0));

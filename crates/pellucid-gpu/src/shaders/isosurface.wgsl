@@ -8,6 +8,10 @@
 #import pellucid::light::{lit, normal_of}
 #import pellucid::march::{State, NOWHERE}
 #import pellucid::table::over
+#ifdef KERNELS
+#import pellucid::field::world_gradient
+#import pellucid::pieces::is_of_nearest
+#endif
 
 // Where the field passes `level` between two distances whose values bracket it: regula falsi with the
 // Illinois rule, and bisection when it stalls. What is absent on the way counts as beyond the surface,
@@ -56,6 +60,26 @@ fn root(ray: Ray, segment: Segment, level: f32) -> f32 {
     return select(t0, found, there);
 }
 
+// The gradient where a ray meets a surface: of nearest voxels, whose surfaces are faces, the jump from one to the other.
+fn gradient_at(ray: Ray, p: vec3<f32>, jump: f32) -> vec3<f32> {
+#ifdef KERNELS
+    if is_of_nearest() {
+        // Which of the planes half way between voxels is passed here, in steps off.
+        let off = abs((p + 0.5 - floor(p + 1.0)) * ray.inverse);
+        let rise = select(vec3<f32>(-jump), vec3<f32>(jump), ray.inverse > vec3<f32>(0.0));
+        let nearest = min(off.x, min(off.y, off.z));
+        if off.x <= nearest {
+            return world_gradient(vec3<f32>(rise.x, 0.0, 0.0));
+        }
+        if off.y <= nearest {
+            return world_gradient(vec3<f32>(0.0, rise.y, 0.0));
+        }
+        return world_gradient(vec3<f32>(0.0, 0.0, rise.z));
+    }
+#endif
+    return field_gradient(p);
+}
+
 // Whether a segment crosses any surface.
 fn visit_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool {
     var crosses = false;
@@ -77,9 +101,13 @@ fn meet_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool
             continue;
         }
         (*state).counts.y += 1u;
-        let distance = root(ray, segment, level.value.x);
+        var distance = segment.distance.x;
+        // Faces of nearest voxels are where they are.
+        if segment.distance.y > segment.distance.x {
+            distance = root(ray, segment, level.value.x);
+        }
         let p = ray_at(ray, distance);
-        let gradient = field_gradient(p);
+        let gradient = gradient_at(ray, p, back - front);
         var rgba = vec4<f32>(level.color.rgb * level.color.a, level.color.a);
 #ifdef SHADED
         rgba = lit(rgba, level.value.x, p, gradient, ray.to_eye);
@@ -87,8 +115,7 @@ fn meet_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool
         (*state).color = over((*state).color, rgba);
         if (*state).surface.w == NOWHERE {
             let normal = normal_of(gradient).direction;
-            let toward_eye = select(normal, -normal, dot(normal, ray.to_eye) < 0.0);
-            (*state).surface = vec4<f32>(toward_eye, distance);
+            (*state).surface = vec4<f32>(normal, distance);
         }
         if (*state).color.a >= frame.limits.z {
             return true;

@@ -191,7 +191,7 @@ impl Variant {
         self.chromatic &= match self.pass {
             Composite => self.traversal == Traversal::Rays,
             HalfAngleLight => self.indirect,
-            pass => matches!(pass, HalfAngleEye | HalfAngleSurface),
+            pass => matches!(pass, HalfAngleEye | HalfAngleSurface | Resolve | PathTracePixels),
         };
         self.shadowed &= self.lights() && self.pass.samples() && !slices && !self.bricks;
         self

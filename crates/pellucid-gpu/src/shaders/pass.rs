@@ -13,7 +13,7 @@ macro_rules! source {
 }
 
 /// What passes import; each only from those above it.
-pub(super) const SHARED: [Source; 28] = [
+pub(super) const SHARED: [Source; 30] = [
     source!("frame"),
     source!("ray"),
     source!("kernel"),
@@ -22,12 +22,14 @@ pub(super) const SHARED: [Source; 28] = [
     source!("table"),
     source!("vary"),
     source!("levels"),
+    source!("pieces"),
     source!("skip"),
     source!("shadow"),
     source!("light_volume"),
     source!("scatter"),
     source!("light"),
     source!("march"),
+    source!("cut"),
     source!("surface"),
     source!("projected"),
     source!("preclassify"),
@@ -169,7 +171,7 @@ impl Pass {
             _ if traversal == Traversal::SlicePixels => (source!("slice_pixels"), None),
             Self::Maximum | Self::Minimum | Self::Average if slices => samples(source!("slice_value")),
             Self::Composite | Self::CompositePre => samples(source!("composite")),
-            Self::Maximum | Self::Minimum => samples(source!("extreme")),
+            Self::Maximum | Self::Minimum => (source!("extreme"), None),
             Self::Average => samples(source!("average")),
             Self::Additive => samples(source!("additive")),
             Self::XRay => samples(source!("xray")),

@@ -130,10 +130,12 @@ struct Found {
     radiance: vec3<f32>,
     looks: u32,
     has_collided: bool,
+    // What it carries of each colour of light from behind, all of which has come through.
+    passed: vec3<f32>,
 }
 
 fn follow(start: Beam) -> Found {
-    var found = Found(vec3<f32>(0.0), 0u, false);
+    var found = Found(vec3<f32>(0.0), 0u, false, vec3<f32>(1.0));
     var flight = start.flight;
     var forward = start.forward;
     var throughput = vec3<f32>(1.0);
@@ -154,9 +156,13 @@ fn follow(start: Beam) -> Found {
                 let share = density / (density + sky.density / f32(sources));
                 found.radiance += throughput * sky.radiance * share;
             }
+            if scatterings == 0u {
+                found.passed = throughput;
+            }
             return found;
         }
         found.has_collided = true;
+        found.passed = vec3<f32>(0.0);
         var p = flight.origin + flight.direction * collision.distance;
         let color = collision.matter.rgb;
         found.radiance += throughput * color * frame.material.x;
@@ -203,6 +209,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         state = states[slot];
     } else {
         state.surface = vec4<f32>(0.0);
+        state.place = vec4<f32>(0.0);
     }
     if (state.counts.w & DONE) != 0u {
         return;
@@ -210,13 +217,14 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let pixel = id.xy + vec2<u32>(frame.size.y, bounds.rows.x);
     begin_stream(paths.counts.xy, pixel.y * 65536u + pixel.x, path);
     let start = beam(pixel);
-    var found = Found(vec3<f32>(0.0), 0u, false);
+    var found = Found(vec3<f32>(0.0), 0u, false, vec3<f32>(1.0));
     if start.is_there {
         state.counts.w |= HIT;
         state.counts.z += 1u;
         found = follow(start);
     }
     state.color += vec4<f32>(found.radiance, select(0.0, 1.0, found.has_collided));
+    state.place += vec4<f32>(found.passed, 0.0);
     state.counts.x += found.looks;
     state.counts.y += select(0u, 1u, found.has_collided);
     // Mean and variance as they come (Welford 1962).

@@ -31,6 +31,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var pixel: Pixel;
     pixel.color = state.color / count;
+#ifdef CHROMATIC
+    pixel.held_back = 1.0 - state.place / count;
+#endif
     let error = sqrt(state.surface.y / (count * max(count - 1.0, 1.0)));
     pixel.surface = vec4<f32>(error, count, 0.0, depth);
     pixel.counts = state.counts;

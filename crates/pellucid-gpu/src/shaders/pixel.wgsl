@@ -9,6 +9,10 @@ struct Pixel {
     // Samples taken, seen, leapt over; rays that met the volume in the lower half, rays that stopped
     // early in the upper.
     counts: vec4<u32>,
+#ifdef CHROMATIC
+    // What is held back of red, green and blue from behind.
+    held_back: vec4<f32>,
+#endif
 }
 
 @group(0) @binding(7) var<storage, read_write> pixels: array<Pixel>;

@@ -16,11 +16,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let n = frame.size.z;
     var pixel: Pixel;
     if sub == 0u {
-        pixel = Pixel(vec4<f32>(0.0), vec4<f32>(0.0, 0.0, 0.0, NOWHERE), vec4<u32>(0u));
+        // All else is 0.
+        pixel.surface = vec4<f32>(0.0, 0.0, 0.0, NOWHERE);
     } else {
         pixel = pixels[slot];
     }
     pixel.color += state.color / f32(n * n);
+#ifdef CHROMATIC
+    pixel.held_back += vec4<f32>(state.place.yzw, 0.0) / f32(n * n);
+#endif
     if state.surface.w < NOWHERE {
         let ray = ray_of(id.xy + vec2<u32>(frame.size.y, bounds.rows.x), sub);
         let depth = (ray.entry + state.surface.w) * frame.picture.w;

@@ -33,7 +33,7 @@ fn follow(turn: ptr<function, Turn>) {
         looks -= 1u;
 #ifdef STRIDES
         if taken == 0u {
-            let to = leap_samples(ray, k, state.place.y);
+            let to = leap_samples(ray, k);
             state.counts.z += u32(min(to, ray.count) - k);
             k = to;
             level = stride_level(ray, k);
@@ -42,7 +42,7 @@ fn follow(turn: ptr<function, Turn>) {
         taken = 0u;
 #else
 #ifdef SKIP
-        let to = leap_samples(ray, k, state.place.y);
+        let to = leap_samples(ray, k);
         state.counts.z += u32(min(to, ray.count) - k);
         k = to;
 #endif

@@ -5,6 +5,15 @@
 #import pellucid::field::{field_value, is_here}
 #import pellucid::march::{Turn, turn_of, end_turn, DONE, NOWHERE, TERMINATED}
 #import pellucid::mode::{meet_segment, visit_segment}
+#ifdef SURFACES
+#ifdef KERNELS
+#import pellucid::field::ABSENT
+#import pellucid::pieces::{cells_at, is_of_nearest, leap_to, next_cell}
+#ifdef SKIP
+#import pellucid::skip::way_to_matter
+#endif
+#endif
+#endif
 #ifdef NORMALS
 #import pellucid::surface::add_normal
 #endif
@@ -84,10 +93,72 @@ fn follow(turn: ptr<function, Turn>) {
     (*turn).state = state;
 }
 
+#ifdef SURFACES
+#ifdef KERNELS
+// The walk over the faces between nearest voxels, where the field jumps from the value of one to that of the other:
+// segments of no length. Between nodes of a lattice corners of voxels would be missed.
+fn follow_faces(turn: ptr<function, Turn>) {
+    const FACES: u32 = 8u;
+    let ray = (*turn).ray;
+    var state = (*turn).state;
+    var cells = cells_at(ray, state.place.x);
+    // There is no face at the entry, nor behind what is leapt over.
+    var front = select(ABSENT, state.place.y, state.place.z != 0.0);
+    var looks = bounds.rows.w;
+    var here = true;
+    while here && looks > 0u && cells.ends.x < cells.length {
+        looks -= 1u;
+#ifdef SKIP
+        let middle = (cells.ends.x + cells.ends.y) * 0.5;
+        let to = middle + way_to_matter(ray, ray_at(ray, middle));
+        // Only to another cell, or there would be no end.
+        if to > cells.ends.y {
+            let before = cells.ends.x;
+            leap_to(&cells, to);
+            front = ABSENT;
+            state.counts.z += u32(max(min(cells.ends.x, cells.length) - before, 0.0));
+        }
+#endif
+        for (var i = 0u; i < FACES && cells.ends.x < cells.length; i += 1u) {
+            let p = ray_at(ray, (cells.ends.x + cells.ends.y) * 0.5);
+            if !is_here(p) {
+                here = false;
+                break;
+            }
+            let back = field_value(p);
+            state.counts.x += 1u;
+            let face = Segment(vec2<f32>(cells.ends.x), vec2<f32>(front, back), 0.0);
+            front = back;
+            next_cell(&cells);
+            if visit_segment(&state, ray, face) && meet_segment(&state, ray, face) {
+                state.counts.w |= TERMINATED | DONE;
+                here = false;
+                break;
+            }
+        }
+    }
+    if cells.ends.x >= cells.length {
+        state.counts.w |= DONE;
+    }
+    state.place = vec4<f32>(cells.ends.x, front, 1.0, 0.0);
+    (*turn).state = state;
+}
+#endif
+#endif
+
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var turn = turn_of(id.xy);
     if turn.open {
+#ifdef SURFACES
+#ifdef KERNELS
+        if is_of_nearest() {
+            follow_faces(&turn);
+            end_turn(turn);
+            return;
+        }
+#endif
+#endif
         follow(&turn);
         end_turn(turn);
     }

@@ -4,6 +4,9 @@
 
 #import pellucid::frame::frame
 #import pellucid::ray::{Ray, ray_at, ray_sample, ray_node}
+#ifdef EXTREMES
+#import pellucid::pieces::{Cells, leap_to, next_cell}
+#endif
 
 #ifdef EXTREMES
 // The largest value of every block, or the smallest with its sign turned.
@@ -33,27 +36,37 @@ fn leave(inverse: vec3<f32>, p: vec3<f32>, block: vec3<i32>, reach: f32) -> f32 
     return min(min(steps.x, steps.y), steps.z);
 }
 
-// The first sample from k on that may contribute (may exceed `best`, where extremes are looked for), or
-// one beyond the last.
-fn leap_samples(ray: Ray, from_k: f32, best: f32) -> f32 {
+#ifdef EXTREMES
+// Goes on to the first piece that may exceed `best`.
+fn leap_cells(ray: Ray, cells: ptr<function, Cells>, best: f32) {
+    while (*cells).ends.x < (*cells).length {
+        let middle = ((*cells).ends.x + (*cells).ends.y) * 0.5;
+        let p = ray_at(ray, middle);
+        let block = block_at(p);
+        if textureLoad(blocks, block, 0).x > best {
+            break;
+        }
+        // To the last cell inside, and over it.
+        leap_to(cells, middle + max(leave(ray.inverse, p, block, 1.0), 0.0));
+        next_cell(cells);
+    }
+}
+#else
+// The first sample from k on that may contribute, or one beyond the last.
+fn leap_samples(ray: Ray, from_k: f32) -> f32 {
     var k = from_k;
     while k < ray.count {
         let p = ray_at(ray, ray_sample(ray, k));
         let block = block_at(p);
-#ifdef EXTREMES
-        let live = textureLoad(blocks, block, 0).x > best;
-        let reach = 1.0;
-#else
         let reach = f32(textureLoad(blocks, block, 0).x);
-        let live = reach == 0.0;
-#endif
-        if live {
+        if reach == 0.0 {
             break;
         }
         k += max(ceil(leave(ray.inverse, p, block, reach)), 1.0);
     }
     return k;
 }
+#endif
 
 #ifdef STRIDES
 // The level of the stride at sample k (7.3-3).
@@ -81,6 +94,13 @@ fn leap_segments(ray: Ray, from_n: f32) -> f32 {
         n += far;
     }
     return n;
+}
+
+// How many steps lead from a position to where something may be, or a little less; 0 where something may be here.
+fn way_to_matter(ray: Ray, p: vec3<f32>) -> f32 {
+    let block = block_at(p);
+    let reach = textureLoad(blocks, block, 0).x;
+    return select(max(leave(ray.inverse, p, block, f32(reach)), 0.0), 0.0, reach == 0u);
 }
 
 // Whether the block of a position contributes nothing.

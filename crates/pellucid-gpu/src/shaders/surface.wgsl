@@ -7,12 +7,17 @@
 #import pellucid::field::{field_gradient, field_value, is_present}
 #import pellucid::light::{lit, normal_of}
 #import pellucid::table::over
+#import pellucid::cut::cut_gradient
 
 #ifdef LIT
-// The gradient, where samples may be surfaces.
-fn gradient_of_surface(p: vec3<f32>) -> vec3<f32> {
+// The gradient, where samples may be surfaces. How long it is tells nothing at a cut.
+fn gradient_of_surface(ray: Ray, p: vec3<f32>) -> vec3<f32> {
 #ifdef SHADED
+#ifdef WEIGHTED
     return field_gradient(p);
+#else
+    return cut_gradient(ray, p, field_gradient(p));
+#endif
 #else
     return vec3<f32>(0.0);
 #endif
@@ -24,7 +29,7 @@ fn add_sample(state: ptr<function, State>, ray: Ray, distance: f32, value: f32, 
     let p = ray_at(ray, distance);
     var rgba = sample;
 #ifdef LIT
-    rgba = lit(rgba, value, p, gradient_of_surface(p), ray.to_eye);
+    rgba = lit(rgba, value, p, gradient_of_surface(ray, p), ray.to_eye);
 #endif
     (*state).color = over((*state).color, rgba);
     if (*state).color.a >= 0.5 && (*state).surface.w == NOWHERE {
@@ -43,6 +48,6 @@ fn add_normal(state: ptr<function, State>, ray: Ray) {
         return;
     }
 #endif
-    let normal = normal_of(field_gradient(p)).direction;
+    let normal = normal_of(cut_gradient(ray, p, field_gradient(p))).direction;
     (*state).surface = vec4<f32>(normal, (*state).surface.w);
 }

@@ -175,7 +175,7 @@ impl<'a> Slicer<'a> {
             let size = [width, rows];
             // The old ones go first.
             reused.canvas.take_if(|canvas| !canvas.fits(size, &self.blending));
-            let targets = Targets::kept(&mut reused.targets, self.device, picture.width, size);
+            let targets = Targets::kept(&mut reused.targets, self.device, (picture.width, false), size);
             let canvas = reused.canvas.get_or_insert_with(|| Canvas::new(self.device, size, &self.blending));
             for sub in 0..rays {
                 let layer = self.layer(canvas, [row, rows, sub]);

@@ -6,11 +6,11 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use glam::{DAffine3, DVec3};
-use pellucid_field::{Volume, VoxelType, Warning};
+use pellucid_field::{ValueMap, Volume, VoxelType, Warning};
 
 use super::geometry::qform;
 use super::header::SIZE_1;
-use crate::body::{write_interleaved, write_planar, written_type};
+use crate::body::{wide_base, write_interleaved, write_planar, written_type};
 use crate::options::is_gzip_name;
 use crate::world::{Frame, millimetres, to_world};
 use crate::{AtomicFile, IoError, WriteOptions};
@@ -48,8 +48,10 @@ fn is_colour(volume: &Volume) -> bool {
 fn header(path: &Path, volume: &Volume, warnings: &mut Vec<Warning>) -> Result<[u8; DATA_OFFSET], IoError> {
     let mut bytes = [0; DATA_OFFSET];
     let mut put = |at: usize, field: &[u8]| bytes[at..at + field.len()].copy_from_slice(field);
+    let is_wide = wide_base(volume).is_some();
     let (datatype, size) = match (written_type(volume, warnings), volume.components()) {
-        (VoxelType::U8, 3) => (128i16, 3),
+        _ if is_wide => (1024i16, 8),
+        (VoxelType::U8, 3) => (128, 3),
         (VoxelType::U8, 4) => (2304, 4),
         (VoxelType::U8, _) => (2, 1),
         (VoxelType::I8, _) => (256, 1),
@@ -98,7 +100,7 @@ fn header(path: &Path, volume: &Volume, warnings: &mut Vec<Warning>) -> Result<[
     let pixdim = [q.map_or(1.0, |(_, side)| side as f32), spacing[0], spacing[1], spacing[2], 1.0, 1.0, 1.0, 1.0];
     put(76, bytemuck::cast_slice(&pixdim));
     put(108, &(DATA_OFFSET as f32).to_ne_bytes());
-    let map = volume.value_map();
+    let map = if is_wide { ValueMap::IDENTITY } else { volume.value_map() };
     put(112, bytemuck::cast_slice(&[map.scale as f32, map.offset as f32]));
     put(123, &[unit]);
     put(148, b"pellucid");

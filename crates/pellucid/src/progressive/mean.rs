@@ -15,6 +15,8 @@ pub fn average(mean: &mut Frame, frame: &Frame, frames: u32) {
     parallel(|| {
         let colors = mean.color.par_iter_mut().zip(&frame.color).with_min_len(LEAST);
         colors.for_each(|(mean, color)| (0..4).for_each(|c| mean[c] += (color[c] - mean[c]) * share));
+        let opacities = mean.opacities.par_iter_mut().zip(&frame.opacities).with_min_len(LEAST);
+        opacities.for_each(|(mean, opacities)| (0..3).for_each(|c| mean[c] += (opacities[c] - mean[c]) * share));
         let samples = mean.samples.par_iter_mut().zip(&frame.samples).with_min_len(LEAST);
         samples.for_each(|(sum, samples)| *sum = sum.saturating_add(*samples));
         let noise = mean.noise.par_iter_mut().zip(&frame.noise).with_min_len(LEAST);

@@ -68,9 +68,15 @@ pub fn enlarge(small: &Frame, large: &mut Frame, width: usize, height: usize) {
     }
     large.statistics = small.statistics;
     large.warnings.clone_from(&small.warnings);
+    large.opacities.clear();
     let scale = small.height as f64 / height as f64;
     let across = Axis { scale, from: width, to: small.width };
     let down = Axis { scale, from: height, to: small.height };
+    if !small.opacities.is_empty() {
+        let nearest =
+            |place: usize| down.taps(place / width).nearest * small.width + across.taps(place % width).nearest;
+        large.opacities.extend((0..width * height).map(|place| small.opacities[nearest(place)]));
+    }
     let row = width.max(1);
     let color = large.color.par_chunks_mut(row);
     let depth = large.depth.par_chunks_mut(row);
