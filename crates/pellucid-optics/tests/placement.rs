@@ -35,11 +35,8 @@ fn exact_opacity(points: &[(f64, f32)], front: f64, back: f64, ratio: f64) -> f6
         let [(x, p), (y, q)] = [points[above - 1], points[above]];
         let at = |v: f64| f64::from(p) + f64::from(q - p) * (v - x) / (y - x);
         let (p, q) = (at(from), at(to));
-        let mean = if (q - p).abs() < 1e-9 {
-            -(1.0 - p).ln()
-        } else {
-            (antiderivative(q) - antiderivative(p)) / (q - p)
-        };
+        let mean =
+            if (q - p).abs() < 1e-9 { -(1.0 - p).ln() } else { (antiderivative(q) - antiderivative(p)) / (q - p) };
         mean * (to - from)
     };
     let mut edges = vec![low];
@@ -58,7 +55,8 @@ fn peaks_of_a_millionth_of_the_range_are_there() {
             let found = |value: f64| table.lookup(value as f32)[3];
             // To the f32 next to the place.
             let rounding = 4.0 * f32::EPSILON * at as f32;
-            for (value, exact) in [(at, 0.5), (at - 0.25, 0.25), (at + 0.375, 0.125), (at - 0.5, 0.0), (at + 0.5, 0.0)] {
+            for (value, exact) in [(at, 0.5), (at - 0.25, 0.25), (at + 0.375, 0.125), (at - 0.5, 0.0), (at + 0.5, 0.0)]
+            {
                 assert!((found(value) - exact).abs() < 1e-3 + rounding, "{at} of {low} to {high}: {}", found(value));
             }
             for value in [low, at - 0.6, at + 0.6, at + 40.0, 2e5, 3e5] {
@@ -69,6 +67,12 @@ fn peaks_of_a_millionth_of_the_range_are_there() {
             assert!(!visible.any_opacity(at as f32 + 0.75, 3e5) && visible.any_opacity(at as f32 - 0.25, 3e5));
         }
     }
+}
+
+#[test]
+fn what_single_precision_merges_is_told() {
+    assert_eq!(opacities(&[(1e6, 0.0), (1e6 + 0.01, 0.5), (1e6 + 1.0, 0.0)]).merged_points(), Some([1e6, 1e6 + 0.01]));
+    assert_eq!(opacities(&[(1e6, 0.0), (1e6, 0.5), (1e6 + 1.0, 0.0)]).merged_points(), None);
 }
 
 #[test]
@@ -105,7 +109,9 @@ fn jumps_are_jumps_and_the_upper_side_holds() {
             let table = Table::for_data(&tf, &data).unwrap();
             let at = at as f32;
             let below = at.next_down().min(at - f32::MIN_POSITIVE);
-            for (value, exact) in [(below, 0.1), (at - 0.01, 0.1), (-8.0, 0.1), (at, 0.9), (at + 0.01, 0.9), (95.0, 0.9)] {
+            for (value, exact) in
+                [(below, 0.1), (at - 0.01, 0.1), (-8.0, 0.1), (at, 0.9), (at + 0.01, 0.9), (95.0, 0.9)]
+            {
                 let found = table.lookup(value)[3];
                 assert!((found - exact).abs() < 1e-5, "{data:?}, jump at {at}, {interpolation:?}: {value} has {found}");
             }
@@ -134,11 +140,13 @@ fn few_levels_keep_even_nodes() {
     for data in [levels(0.0, 255.0), levels(0.0, 4095.0), floats(0.0, 255.0)] {
         assert!(Table::for_data(&ramp, &data).unwrap().nodes().knots().is_empty(), "{data:?}");
     }
-    assert!(PreIntegration::for_data(&opacities(&[(0.0, 0.0), (100.0, 0.4), (255.0, 0.9)]), &levels(0.0, 255.0), 1.0)
-        .unwrap()
-        .nodes()
-        .knots()
-        .is_empty());
+    assert!(
+        PreIntegration::for_data(&opacities(&[(0.0, 0.0), (100.0, 0.4), (255.0, 0.9)]), &levels(0.0, 255.0), 1.0)
+            .unwrap()
+            .nodes()
+            .knots()
+            .is_empty()
+    );
 }
 
 #[test]
@@ -176,7 +184,10 @@ fn segments_of_narrow_peaks_have_their_integral() {
                 let (front, back) = (f64::from(front as f32), f64::from(back as f32));
                 let exact = exact_opacity(points, front, back, ratio);
                 let found = f64::from(table.lookup(front as f32, back as f32)[3]);
-                assert!((found - exact).abs() < 0.005 + 0.02 * exact, "{points:?}, {front} to {back}: {found}, exact {exact}");
+                assert!(
+                    (found - exact).abs() < 0.005 + 0.02 * exact,
+                    "{points:?}, {front} to {back}: {found}, exact {exact}"
+                );
             }
         }
     }
@@ -188,7 +199,8 @@ fn a_jump_of_extinction_is_where_it_is_in_segments() {
     let tf = opacities(&[(0.3, 0.0), (0.3, 0.4)]);
     let table = PreIntegration::for_data(&tf, &floats(-50.0, 1e4), 1.0).unwrap();
     for (front, back) in [(0.0, 1.0), (1.0, 0.0), (-40.0, 60.0), (0.29, 0.31), (0.0, 9e3), (0.31, 0.4), (0.0, 0.29)] {
-        let share = if back == front { 1.0 } else { ((back - 0.3f64).max(0.0) - (front - 0.3).max(0.0)) / (back - front) };
+        let share =
+            if back == front { 1.0 } else { ((back - 0.3f64).max(0.0) - (front - 0.3).max(0.0)) / (back - front) };
         let exact = 1.0 - 0.6f64.powf(share);
         let found = f64::from(table.lookup(front as f32, back as f32)[3]);
         assert!((found - exact).abs() < 1e-4, "{front} to {back}: {found}, exact {exact}");
@@ -199,7 +211,8 @@ fn a_jump_of_extinction_is_where_it_is_in_segments() {
 fn segments_of_any_length_have_their_own_color() {
     // Extinction 2 a unit, colour the value / 2 (4.5-1): its closed form over any part of the ramp, at any length.
     let alpha = -(-2.0f64).exp_m1() as f32;
-    let colors = [(0.0, 0.0f32), (1.0, 0.5)].map(|(value, level)| ColorPoint::new(value, Color::new([level; 3]).unwrap()));
+    let colors =
+        [(0.0, 0.0f32), (1.0, 0.5)].map(|(value, level)| ColorPoint::new(value, Color::new([level; 3]).unwrap()));
     let tf = TransferFunction::new(colors.to_vec(), vec![OpacityPoint::new(0.0, alpha)]).unwrap();
     let tf = tf.with_color_space(ColorSpace::Linear);
     let table = PreIntegration::for_data(&tf, &floats(0.0, 1.0), 1.0).unwrap();
@@ -209,7 +222,10 @@ fn segments_of_any_length_have_their_own_color() {
             let alpha = 1.0 - (-depth).exp();
             let exact = 0.5 * (front * alpha + (back - front) * (alpha - depth * (-depth).exp()) / depth);
             let [red, _, _, found] = table.over_length(front as f32, back as f32, length as f32).map(f64::from);
-            assert!((red - exact).abs() < 2e-5 && (found - alpha).abs() < 1e-6, "{front} to {back} over {length}: {red} {exact}");
+            assert!(
+                (red - exact).abs() < 2e-5 && (found - alpha).abs() < 1e-6,
+                "{front} to {back} over {length}: {red} {exact}"
+            );
         }
     }
 }

@@ -31,8 +31,7 @@ impl LightTables {
             let albedo = |value, entry| scattering.at(value, entry).albedo;
             steps(&table.recolored(albedo), ratio as f32, stage.chroma(volume).as_ref())
         });
-        let transport =
-            stage.half_angle().map(|_| TransportTable::new(scattering, data, ratio)).transpose()?.flatten();
+        let transport = stage.half_angle().map(|_| TransportTable::new(scattering, data, ratio)).transpose()?.flatten();
         Ok(Self { scatter: Some(ScatterTable::new(scattering, table, data)?), albedo: albedo.transpose()?, transport })
     }
 }

@@ -95,8 +95,8 @@ impl Stage {
         asked && *self.mode() == Mode::Composite && self.volumes.iter().all(|volume| self.chroma(volume).is_none())
     }
 
-    /// What the technique draws otherwise than the scene asks for: only paths find the size of a light, and blending
-    /// units hold all colours back alike.
+    /// What is drawn otherwise than the scene asks for: only paths find the size of a light, blending
+    /// units hold all colours back alike, and points of a transfer function may be too close to be told apart.
     pub fn fallbacks(&self) -> impl Iterator<Item = RenderWarning> {
         let by_paths = matches!(self.technique, Technique::PathTrace(_));
         let name = self.technique.name();
@@ -120,7 +120,15 @@ impl Stage {
                 Some(_) => None,
             }
         });
-        lights.chain(volumes).filter(move |_| !by_paths).map(|reason| RenderWarning::Fallback { reason })
+        let merged = self.volumes.iter().enumerate().filter_map(|(number, volume)| {
+            let [a, b] = volume.transfer_function.merged_points()?;
+            Some(format!(
+                "volumes[{number}].transfer_function has points at {a} and {b}, which are one number in the single \
+                 precision of samples: what it shows between them is not seen; shift and scale the data's values"
+            ))
+        });
+        let fallbacks = lights.chain(volumes).filter(move |_| !by_paths).chain(merged);
+        fallbacks.map(|reason| RenderWarning::Fallback { reason })
     }
 
     /// The clips of a volume and, for a thick slice, the planes of its slab.
