@@ -77,7 +77,19 @@ impl<'a> Optics<'a> {
             Pass::PathTrace => extinctions(stage, volume, tables),
             _ => Cow::Borrowed(entries),
         };
-        Self { pass, opaque, tables, entries, bleeds, nodes: nodes.clone(), blocks, levels, shaded, weighted, scattering }
+        Self {
+            pass,
+            opaque,
+            tables,
+            entries,
+            bleeds,
+            nodes: nodes.clone(),
+            blocks,
+            levels,
+            shaded,
+            weighted,
+            scattering,
+        }
     }
 }
 
@@ -98,7 +110,8 @@ impl<'a> Optics<'a> {
 impl Optics<'_> {
     /// Bytes of the tables on the device.
     pub fn table_bytes(&self) -> u64 {
-        let tables = size_of_val(&*self.entries) + size_of_val(self.nodes.knots()) + size_of_val(self.levels.as_slice());
+        let tables =
+            size_of_val(&*self.entries) + size_of_val(self.nodes.knots()) + size_of_val(self.levels.as_slice());
         tables as u64 + scattering::most_bytes(self.tables)
     }
 
