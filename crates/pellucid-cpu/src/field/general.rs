@@ -3,7 +3,7 @@
 use glam::DVec3;
 use pellucid_field::{Reconstruct, Sampler};
 
-use super::{Field, Probe};
+use super::{Corners, Field, Probe};
 use crate::lanes::*;
 
 /// Any reconstruction, in f64, one lane after the other: for what lanes cannot read, as several
@@ -36,6 +36,11 @@ impl<S: Lanes> Field<S> for Any<'_, S> {
     fn gradients(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
         self.0.gradients(s, index, lanes)
     }
+
+    #[inline(always)]
+    fn corners(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Option<Corners<S>> {
+        self.0.corners(s, index, lanes)
+    }
 }
 
 /// A field as it goes into [`Any`]: its methods are entered with the instruction set switched on.
@@ -53,6 +58,13 @@ impl<S: Lanes, F: Field<S>> Field<S> for Entered<F> {
         s.vectorize(
             #[inline(always)]
             || self.0.gradients(s, index, lanes),
+        )
+    }
+
+    fn corners(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Option<Corners<S>> {
+        s.vectorize(
+            #[inline(always)]
+            || self.0.corners(s, index, lanes),
         )
     }
 }
