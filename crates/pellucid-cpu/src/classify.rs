@@ -4,7 +4,7 @@ use glam::DVec3;
 use pellucid_field::{Filter, Volume};
 use pellucid_optics::{Nodes, PreIntegration, StepTable, Table};
 
-use crate::field::{Moved, lane_position};
+use crate::field::{Any, Corners, Field, Moved, lane_position};
 use crate::lanes::*;
 use crate::samples::Sample;
 
@@ -131,8 +131,7 @@ fn between_knots<S: Lanes>(s: S, knots: &[[f32; 4]], values: F32<S>) -> F32<S> {
 /// Positions limited to 0 to `last`; 0 where there is no number.
 #[inline(always)]
 fn limited<S: Lanes>(s: S, position: F32<S>, last: usize) -> F32<S> {
-    let zero = splat(s, 0.0);
-    position.simd_ge(zero).select(position, zero).min(splat(s, last as f32))
+    within(s, position, last as f32)
 }
 
 /// The node below a limited position, at most the last but one, and the fraction towards the next.
@@ -151,17 +150,17 @@ pub struct Classified<S: Lanes> {
 }
 
 /// Classifies single samples.
-pub trait Classify: Sync {
+pub trait Classify<S: Lanes>: Sync {
     /// Samples with these values, or `None` if none has any opacity.
-    fn classify<S: Lanes>(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Classified<S>>;
+    fn classify(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Classified<S>>;
 }
 
 /// The transfer function applied to the interpolated value (4.3-1).
 pub struct Post<'a>(pub Lookup<'a>);
 
-impl Classify for Post<'_> {
+impl<S: Lanes> Classify<S> for Post<'_> {
     #[inline(always)]
-    fn classify<S: Lanes>(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Classified<S>> {
+    fn classify(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Classified<S>> {
         let position = self.0.position(s, value);
         let candidates = sample.lanes & self.0.may_be_visible(s, position);
         if !candidates.any_true() {
@@ -175,7 +174,58 @@ impl Classify for Post<'_> {
 
 /// The transfer function applied to the voxels, interpolating their associated colours (4.2-1,
 /// 3.2-8). An absent voxel has neither colour nor opacity.
-pub struct Pre<'a> {
+pub struct Pre<'a, S> {
+    /// The voxels around samples, as far as lanes can ask for them: under a linear filter.
+    pub field: Any<'a, S>,
+    /// Associated entries for one step.
+    pub lookup: Lookup<'a>,
+    /// All other filters, and data that lanes cannot read.
+    pub each: PreEach<'a>,
+}
+
+impl<S: Lanes> Classify<S> for Pre<'_, S> {
+    #[inline(always)]
+    fn classify(&self, s: S, _: F32<S>, &Sample { index, lanes, .. }: &Sample<S>) -> Option<Classified<S>> {
+        let rgba = match if self.each.is_linear() { self.field.corners(s, index, lanes) } else { None } {
+            Some(corners) => self.blend(s, &corners, lanes)?,
+            None => self.each.colors(s, &index, lanes),
+        };
+        let visible = lanes & rgba[3].simd_gt(splat(s, 0.0));
+        if !visible.any_true() {
+            return None;
+        }
+        Some(Classified { rgba, visible })
+    }
+}
+
+impl<S: Lanes> Pre<'_, S> {
+    /// The colours of corners, interpolated; `None` if none has any opacity.
+    #[inline(always)]
+    fn blend(&self, s: S, Corners { values, u }: &Corners<S>, lanes: Mask<S>) -> Option<[F32<S>; 4]> {
+        let nothing = [splat(s, 0.0); 4];
+        let (mut colors, mut any) = ([nothing; 8], all(s, false));
+        for (color, value) in colors.iter_mut().zip(values) {
+            let position = self.lookup.position(s, *value);
+            let visible = lanes & self.lookup.may_be_visible(s, position);
+            if visible.any_true() {
+                let found = self.lookup.at(s, position, None);
+                *color = rgba!(C => visible.select(found[C], nothing[C]));
+                any |= visible;
+            }
+        }
+        if !any.any_true() {
+            return None;
+        }
+        // Along x, then y, then z.
+        Some(rgba!(C => {
+            let [a, b, c, d] = rgba!(R => lerp::<S>(u[0], colors[2 * R][C], colors[2 * R + 1][C]));
+            lerp::<S>(u[2], lerp::<S>(u[1], a, b), lerp::<S>(u[1], c, d))
+        }))
+    }
+}
+
+/// The same, one lane after the other.
+pub struct PreEach<'a> {
     /// Associated entries for one step.
     pub table: &'a StepTable,
     /// The voxels.
@@ -188,25 +238,26 @@ pub struct Pre<'a> {
     pub moved: Moved<'a>,
 }
 
-impl Classify for Pre<'_> {
+impl PreEach<'_> {
     #[inline(always)]
-    fn classify<S: Lanes>(&self, s: S, _: F32<S>, &Sample { index, lanes, .. }: &Sample<S>) -> Option<Classified<S>> {
+    fn is_linear(&self) -> bool {
+        self.filter == Filter::Linear
+    }
+
+    #[inline(never)]
+    fn colors<S: Lanes>(&self, s: S, index: &Vec3<S>, lanes: Mask<S>) -> [F32<S>; 4] {
         let mut rgba = [splat(s, 0.0); 4];
         let bits = lanes.to_bitmask();
         for lane in (0..width::<S>()).filter(|lane| bits >> lane & 1 == 1) {
-            for (channel, value) in rgba.iter_mut().zip(self.color(lane_position::<S>(&index, lane))) {
+            for (channel, value) in rgba.iter_mut().zip(self.color(lane_position::<S>(index, lane))) {
                 channel[lane] = value;
             }
         }
-        let visible = lanes & rgba[3].simd_gt(splat(s, 0.0));
-        if !visible.any_true() {
-            return None;
-        }
-        Some(Classified { rgba, visible })
+        rgba
     }
 }
 
-impl Pre<'_> {
+impl PreEach<'_> {
     fn color(&self, index: DVec3) -> [f32; 4] {
         let index = self.moved.source(index);
         let dims = self.volume.grid().dims();

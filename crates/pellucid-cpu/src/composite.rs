@@ -126,7 +126,7 @@ pub struct Composite<'a, S, F, C> {
     pub classifier: C,
 }
 
-impl<S: Lanes, F: Field<S>, C: Classify> Integrator for Composite<'_, S, F, C> {
+impl<S: Lanes, F: Field<S>, C: Classify<S>> Integrator for Composite<'_, S, F, C> {
     fn width(&self) -> usize {
         width::<S>()
     }
@@ -140,7 +140,7 @@ impl<S: Lanes, F: Field<S>, C: Classify> Integrator for Composite<'_, S, F, C> {
     }
 }
 
-impl<S: Lanes, F: Field<S>, C: Classify> Composite<'_, S, F, C> {
+impl<S: Lanes, F: Field<S>, C: Classify<S>> Composite<'_, S, F, C> {
     #[inline(always)]
     fn follow<const LIT: bool>(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
         let (medium, s) = (&self.medium, self.medium.s);

@@ -4,7 +4,7 @@ use pellucid_field::Sampler;
 use pellucid_scene::{Classification, Combine, Isosurface, Mode};
 
 use crate::RenderError;
-use crate::classify::{Lookup, Post, Pre, Segments};
+use crate::classify::{Lookup, Post, Pre, PreEach, Segments};
 use crate::composite::{Composite, Medium, PreIntegrated};
 use crate::field::{Any, Field, Moved};
 use crate::integrator::Integrator;
@@ -154,7 +154,10 @@ impl Prepared<'_> {
             Mode::Composite | Mode::Maximum | Mode::Minimum | Mode::Isosurface(_) => {
                 let (volume, component) = (&*self.volume.volume, self.volume.component);
                 let filter = self.stage.quality.filter;
-                let classifier = Pre { table: &self.tables.step_table, volume, component, filter, moved };
+                let each = PreEach { table: &self.tables.step_table, volume, component, filter, moved };
+                let lookup = Lookup::of_steps(&self.tables.step_table);
+                let voxels = self.any(each.moved.sampler.clone());
+                let classifier = Pre { field: voxels, lookup, each };
                 let medium = self.medium(s, field, surface);
                 match self.varied() {
                     Some(varied) => Box::new(Composite { medium, classifier: VariedSamples { classifier, varied } }),

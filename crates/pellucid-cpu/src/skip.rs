@@ -37,7 +37,7 @@ impl Layout {
     #[inline(always)]
     fn meet<S: Lanes>(&self, s: S, p: &Vec3<S>) -> Met<S> {
         let block = xyz!(I => {
-            let inside = p[I].max(splat(s, 0.0)).min(splat(s, self.last[I]));
+            let inside = within(s, p[I], self.last[I]);
             // Whole cells, so that the block is the one of the voxels that are read.
             (inside.trunc() * (1.0 / self.size)).to_int::<I32<S>>()
         });

@@ -96,9 +96,9 @@ pub struct VariedSamples<'a, C> {
     pub varied: Varied<'a>,
 }
 
-impl<C: Classify> Classify for VariedSamples<'_, C> {
+impl<S: Lanes, C: Classify<S>> Classify<S> for VariedSamples<'_, C> {
     #[inline(always)]
-    fn classify<S: Lanes>(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Classified<S>> {
+    fn classify(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Classified<S>> {
         let Classified { rgba, visible } = self.classifier.classify(s, value, sample)?;
         Some(Classified { rgba: self.varied.vary(s, &sample.index, rgba), visible })
     }

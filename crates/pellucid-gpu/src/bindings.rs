@@ -65,6 +65,7 @@ impl<'a> Bindings<'a> {
             shadowed: stage.shadow_step(volume).is_some(),
             perturbed: uploads.perturbation.is_some(),
             chromatic: stage.chroma(volume).is_some(),
+            knots: !optics.nodes.knots().is_empty(),
             opaque: optics.opaque,
             kernels: kernels.is_some(),
             ..Variant::of(optics.pass)

@@ -130,7 +130,8 @@ impl Nodes {
     /// points than nodes.
     fn at_points(tf: &TransferFunction, curves: Curves, hull: [f64; 2]) -> Option<Self> {
         // Opacities of steps bend where those of the unit distance do not: some nodes are needed on any slope.
-        const START: usize = 64;
+        const ANY: std::ops::RangeInclusive<usize> = 64..=512;
+        const FAST: usize = 4096;
         const MOST: usize = 16_384;
         let breaks = breaks(curves, &tf.values(), hull);
         let sloping = |pair: &[Break]| {
@@ -138,7 +139,8 @@ impl Nodes {
             !pair[1].is_jump && inner(from, to).into_iter().chain([to]).any(|value| curves.differ(from, value))
         };
         let slopes = breaks.windows(2).filter(|pair| sloping(pair)).count().max(1);
-        let start = START.max(Self::FEWEST.div_ceil(slopes)).min(((Self::MOST - breaks.len()) / slopes).max(1));
+        let room = ((Self::MOST - breaks.len().min(Self::MOST)) / slopes).max(1);
+        let start = (FAST / slopes).clamp(*ANY.start(), *ANY.end()).min(room);
         let cells = |pair: &[Break]| {
             if !sloping(pair) {
                 return 1;
@@ -171,37 +173,30 @@ impl Nodes {
         const SIZES: [usize; 2] = [256, 512];
         const FEW: usize = 4;
         const MANY: usize = 32;
-        let mut graded: Vec<Break> = breaks.first().copied().into_iter().collect();
-        let scale = |stretch: &[Break], neighbor: Option<&[Break]>| {
-            let width = |pair: &[Break]| pair[1].value - pair[0].value;
-            let neighbor = neighbor.filter(|pair| !pair[1].is_jump).map_or(f64::INFINITY, width);
-            width(stretch).min(neighbor) / part
-        };
-        // The stretch on the other side of a break, or of the two of a jump.
-        let pairs: Vec<&[Break]> = breaks.windows(2).collect();
-        let stretch = |i: Option<usize>, beyond: Option<usize>| {
-            let pair = pairs.get(i?)?;
-            if pair[1].is_jump { pairs.get(beyond?).copied() } else { Some(*pair) }
-        };
-        for (i, pair) in pairs.iter().enumerate() {
-            let [from, to] = [pair[0].value, pair[1].value];
-            if !pair[1].is_jump {
-                let half = 0.5 * (to - from);
-                let scales = [
-                    scale(pair, stretch(i.checked_sub(1), i.checked_sub(2))),
-                    scale(pair, stretch(Some(i + 1), Some(i + 2))),
-                ];
-                let ahead = octaves(scales[0], half).into_iter().map(|d| from + d);
-                let behind = octaves(scales[1], half).into_iter().rev().map(|d| to - d);
-                for value in ahead.chain([from + half]).chain(behind) {
-                    let address = value as f32;
-                    let last = graded[graded.len() - 1].address;
-                    if address - last >= f32::MIN_POSITIVE && pair[1].address - address >= f32::MIN_POSITIVE {
-                        graded.push(Break { value, address, is_jump: false });
-                    }
+        let stretches: Vec<&[Break]> = breaks.windows(2).filter(|pair| !pair[1].is_jump).collect();
+        let width = |i: usize| stretches.get(i).map_or(f64::INFINITY, |pair| pair[1].value - pair[0].value);
+        let mut graded: Vec<Break> = Vec::new();
+        for (i, pair) in stretches.iter().enumerate() {
+            let ([from, to], half) = ([pair[0].value, pair[1].value], 0.5 * width(i));
+            let scales = [i.checked_sub(1), Some(i + 1)].map(|next| next.map_or(width(i), width).min(width(i)) / part);
+            let ahead = octaves(scales[0], half).into_iter().map(|d| from + d);
+            let behind = octaves(scales[1], half).into_iter().rev().map(|d| to - d);
+            let between = ahead.chain([from + half]).chain(behind);
+            let between = between.map(|value| Break { value, address: value as f32, is_jump: false });
+            for here in std::iter::once(pair[0]).chain(between) {
+                let is_apart = |other: &Break| (other.address - here.address).abs() >= f32::MIN_POSITIVE;
+                if graded.last().is_none_or(is_apart) && is_apart(&pair[1]) {
+                    graded.push(here);
                 }
             }
             graded.push(pair[1]);
+        }
+        // Jumps at the ends.
+        if breaks.get(1)?.is_jump {
+            graded.splice(..0, breaks[..2 - usize::from(!graded.is_empty())].iter().copied());
+        }
+        if graded.last() != breaks.last() {
+            graded.extend(breaks.last());
         }
         let jumps = graded.iter().skip(1).filter(|here| here.is_jump).count();
         let stretches = graded.len().saturating_sub(1 + jumps).max(1);

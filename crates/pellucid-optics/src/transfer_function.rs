@@ -148,6 +148,13 @@ impl TransferFunction {
         [c[0].value.min(o[0].value), c[c.len() - 1].value.max(o[o.len() - 1].value)]
     }
 
+    /// The first two neighbouring opacity points at different values that are the same in single precision, as look-ups
+    /// see them.
+    pub fn merged_points(&self) -> Option<[f64; 2]> {
+        let pairs = self.opacities.windows(2).map(|pair| [pair[0].value, pair[1].value]);
+        pairs.into_iter().find(|[a, b]| a < b && *a as f32 == *b as f32)
+    }
+
     /// The values of all control points, ascending.
     pub(crate) fn values(&self) -> Vec<f64> {
         let colors = self.colors.iter().map(|point| point.value);

@@ -70,6 +70,12 @@ fn peaks_of_a_millionth_of_the_range_are_there() {
 }
 
 #[test]
+fn what_single_precision_merges_is_told() {
+    assert_eq!(opacities(&[(1e6, 0.0), (1e6 + 0.01, 0.5), (1e6 + 1.0, 0.0)]).merged_points(), Some([1e6, 1e6 + 0.01]));
+    assert_eq!(opacities(&[(1e6, 0.0), (1e6, 0.5), (1e6 + 1.0, 0.0)]).merged_points(), None);
+}
+
+#[test]
 fn thin_media_have_narrow_peaks_too() {
     // What is seen through ten thousand voxels.
     let table = Table::for_data(&opacities(&[(0.5, 0.0), (1.0, 2e-5), (1.5, 0.0), (1e6, 0.0)]), &floats(0.0, 1e6));

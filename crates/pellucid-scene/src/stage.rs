@@ -120,8 +120,8 @@ impl Stage {
         asked && *self.mode() == Mode::Composite && self.volumes.iter().all(|volume| self.chroma(volume).is_none())
     }
 
-    /// What the technique draws otherwise than the scene asks for: only paths find the size of a light, and blending
-    /// units hold all colours back alike.
+    /// What is drawn otherwise than the scene asks for: only paths find the size of a light, blending
+    /// units hold all colours back alike, and points of a transfer function may be too close to be told apart.
     pub fn fallbacks(&self) -> impl Iterator<Item = RenderWarning> {
         let by_paths = matches!(self.technique, Technique::PathTrace(_));
         let name = self.technique.name();
@@ -157,7 +157,14 @@ impl Stage {
                 range.min, range.max
             ))
         });
-        ignored.chain(unseen).chain(merged).map(|reason| RenderWarning::Fallback { reason })
+        let points = self.volumes.iter().enumerate().filter_map(|(number, volume)| {
+            let [a, b] = volume.transfer_function.merged_points()?.map(|value| value + volume.origin);
+            Some(format!(
+                "volumes[{number}].transfer_function has points at {a} and {b}, which are one number in the single \
+                 precision of samples: what it shows between them is not seen; shift and scale the data's values"
+            ))
+        });
+        ignored.chain(unseen).chain(merged).chain(points).map(|reason| RenderWarning::Fallback { reason })
     }
 
     /// The environment, if the technique has one that is not dark.

@@ -52,7 +52,7 @@ impl<'a, T: Texel> Cubes<'a, T> {
     /// The voxel nearest to a position; halfway, the one with the larger index.
     #[inline(always)]
     pub fn nearest<S: Lanes>(&self, s: S, p: &Vec3<S>) -> F32<S> {
-        let inside = xyz!(I => p[I].max(splat(s, 0.0)).min(splat(s, self.last(I))));
+        let inside = xyz!(I => within(s, p[I], self.last(I)));
         let voxel = xyz!(I => (inside[I] + 0.5).to_int::<I32<S>>().min(whole(s, self.dims[I] - 1)));
         let offset = voxel[0] + voxel[1] * self.stride[1] + voxel[2] * self.stride[2];
         let last = whole(s, self.data.len() as i32 - 2);
@@ -76,7 +76,7 @@ impl<'a, T: Texel> Cubes<'a, T> {
         let zero = splat(s, 0.0);
         let (mut first, mut weights) = ([whole(s, 0); 3], [[zero; MOST]; 3]);
         for axis in 0..3 {
-            let inside = p[axis].max(zero).min(splat(s, self.last(axis)));
+            let inside = within(s, p[axis], self.last(axis));
             let cell = inside.to_int::<I32<S>>();
             let v = inside - cell.to_float::<F32<S>>() - 0.5;
             for tap in 0..taps {
@@ -177,7 +177,7 @@ impl<'a, T: Texel> Cubes<'a, T> {
     #[inline(always)]
     fn place<S: Lanes>(&self, s: S, p: &Vec3<S>, taps: usize) -> Place<S> {
         let before = taps as i32 / 2 - 1;
-        let inside = xyz!(I => p[I].max(splat(s, 0.0)).min(splat(s, self.last(I))));
+        let inside = xyz!(I => within(s, p[I], self.last(I)));
         let cell = xyz!(I => {
             let cell = inside[I].to_int::<I32<S>>();
             cell.max(whole(s, before)).min(whole(s, self.dims[I] - 1 - taps as i32 / 2))

@@ -5,7 +5,7 @@ use pellucid_field::{Gradient, Reconstruct, Sampler, SplineCell, index_gradient}
 use pellucid_optics::Displacer;
 
 use super::turbulence::turbulence;
-use super::{Bounds, Field, Knots, Near};
+use super::{Bounds, Corners, Field, Knots, Near};
 use crate::lanes::*;
 
 /// Another field, displaced. Values are asked at one's own position for whether it is clipped, and at the
@@ -56,6 +56,11 @@ impl<S: Lanes, F: Field<S>> Field<S> for Displaced<'_, F> {
     fn values(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> F32<S> {
         let source = self.source(s, &index, lanes);
         self.inner.values(s, source, lanes)
+    }
+
+    #[inline(always)]
+    fn corners(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Option<Corners<S>> {
+        self.inner.corners(s, self.source(s, &index, lanes), lanes)
     }
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use pellucid_field::{Reconstruct, Sampler};
 
-use super::{Field, Knots, Near, Probe};
+use super::{Corners, Field, Knots, Near, Probe};
 use crate::lanes::*;
 
 /// Any reconstruction, in f64, one lane after the other: for what lanes cannot read, as several
@@ -65,6 +65,11 @@ impl<S: Lanes> Field<S> for Any<'_, S> {
     fn highest(&self, s: S, piece: &[Vec3<S>; 2], sign: f32, above: F32<S>, lanes: Mask<S>) -> [F32<S>; 2] {
         self.0.highest(s, piece, sign, above, lanes)
     }
+
+    #[inline(always)]
+    fn corners(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Option<Corners<S>> {
+        self.0.corners(s, index, lanes)
+    }
 }
 
 /// A field as it goes into [`Any`]: its methods are entered with the instruction set switched on.
@@ -114,6 +119,13 @@ impl<S: Lanes, F: Field<S>> Field<S> for Entered<F> {
         s.vectorize(
             #[inline(always)]
             || self.0.highest(s, piece, sign, above, lanes),
+        )
+    }
+
+    fn corners(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Option<Corners<S>> {
+        s.vectorize(
+            #[inline(always)]
+            || self.0.corners(s, index, lanes),
         )
     }
 }

@@ -35,6 +35,14 @@ pub struct Near<S: Lanes> {
     rows: Option<[Quad<S>; 4]>,
 }
 
+/// The voxels at the corners of cells.
+pub struct Corners<S: Lanes> {
+    /// Data values, x fastest.
+    pub values: [F32<S>; 8],
+    /// Positions within the cells.
+    pub u: Vec3<S>,
+}
+
 /// A reconstructed field inside its clip region; what is clipped is absent.
 pub trait Field<S: Lanes>: Sync {
     /// Data values at index positions inside the region, NaN where absent. Positions are finite;
@@ -50,6 +58,13 @@ pub trait Field<S: Lanes>: Sync {
     /// Gradients in data units per world unit, one-sided beside whatever is absent or clipped. What
     /// the lanes without a `true` give is not specified.
     fn gradients(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S>;
+
+    /// The eight voxels that samples lie between, x fastest, as data values, and where between them; `None` if the field
+    /// is not made of these alone. Absent voxels are NaN.
+    #[inline(always)]
+    fn corners(&self, _: S, _: Vec3<S>, _: Mask<S>) -> Option<Corners<S>> {
+        None
+    }
 
     /// As [`values`](Field::values), where [gradients](Field::gradients_near) are likely to be asked
     /// for next.

@@ -6,7 +6,7 @@ use super::cube::Cubes;
 use super::general::{gradient_of_each, value_of_each};
 use super::knots::highest_sampled;
 use super::taps::Bounds;
-use super::{Field, Knots, Probe, Texel, Trilinear};
+use super::{Corners, Field, Knots, Probe, Texel, Trilinear};
 use crate::lanes::*;
 
 /// A volume of voxels of type `T` under a filter and a gradient estimator whose weights are products
@@ -92,6 +92,14 @@ impl<S: Lanes, T: Texel> Field<S> for Separable<'_, T> {
             }
         }
         value
+    }
+
+    #[inline(always)]
+    fn corners(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Option<Corners<S>> {
+        match &self.values {
+            Values::Linear(field) => field.corners(s, index, lanes),
+            _ => None,
+        }
     }
 
     #[inline(always)]

@@ -4,7 +4,7 @@ use pellucid_field::{ComponentView, Filter, Linear};
 
 use super::general::{gradient_of_each, value_of_each};
 use super::taps::Bounds;
-use super::{Field, Knots, Near, Probe, Quad, Texel};
+use super::{Corners, Field, Knots, Near, Probe, Quad, Texel};
 use crate::lanes::*;
 
 /// A volume of voxels of type `T` under the trilinear filter.
@@ -70,7 +70,7 @@ impl<'a, T: Texel> Trilinear<'a, T> {
     #[inline(always)]
     fn locate<S: Lanes>(&self, s: S, p: &Vec3<S>) -> Cell<S> {
         // Both limits hold whatever the position: every offset made of these voxels is in the data.
-        let inside = xyz!(I => p[I].max(splat(s, 0.0)).min(splat(s, self.last[I])));
+        let inside = xyz!(I => within(s, p[I], self.last[I]));
         let voxel = xyz!(I => inside[I].to_int::<I32<S>>());
         let u = xyz!(I => inside[I] - voxel[I].to_float::<F32<S>>());
         let offset = voxel[0] + voxel[1] * self.stride[0] + voxel[2] * self.stride[1];
@@ -215,6 +215,30 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
             )
         };
         self.found(s, lerp::<S>(u[2], near, far), index, lanes)
+    }
+
+    #[inline(always)]
+    fn corners(&self, s: S, index: Vec3<S>, _: Mask<S>) -> Option<Corners<S>> {
+        let Cell { offset, u, .. } = self.locate(s, &index);
+        let [dy, dz] = self.stride;
+        let at_end = T::OVERREAD > 0 && self.at_end(s, offset, (dy + dz) as usize + 1 + T::OVERREAD);
+        // SAFETY: `locate` gives a cell of the grid, and the rows at dy, dz and dy + dz are its
+        // other edges.
+        let rows = unsafe {
+            [
+                T::pair(s, self.data, offset, 0, at_end),
+                T::pair(s, self.data, offset, dy, at_end),
+                T::pair(s, self.data, offset, dz, at_end),
+                T::pair(s, self.data, offset, dy + dz, at_end),
+            ]
+        };
+        let (scale, shift) = (splat(s, self.scale), splat(s, self.offset));
+        let [[a, b], [c, d], [e, f], [g, h]] = rows;
+        let mut values = [a, b, c, d, e, f, g, h];
+        for value in &mut values {
+            *value = value.mul_add(scale, shift);
+        }
+        Some(Corners { values, u })
     }
 
     #[inline(always)]

@@ -105,11 +105,11 @@ impl LightBuffer {
     #[inline(always)]
     pub fn place<S: Lanes>(&self, s: S, [x, y]: [F32<S>; 2]) -> Place<S> {
         let Shape { height, pad, stride, .. } = self.shape;
-        let (middle, zero) = (pad as f32 - 0.5, splat(s, 0.0));
+        let middle = pad as f32 - 0.5;
         // Below the last texel of a plane, so that the next one is there, too; 0 for NaN.
         let last = [stride, height + 2 * pad].map(|n| ((n - 1) as f32).next_down());
-        let x = (x + middle).max(zero).min(splat(s, last[0]));
-        let y = (y + middle).max(zero).min(splat(s, last[1]));
+        let x = within(s, x + middle, last[0]);
+        let y = within(s, y + middle, last[1]);
         let (column, row) = (x.to_int::<I32<S>>(), y.to_int::<I32<S>>());
         let offset = column + row * stride as i32;
         Place { offset, u: x - column.to_float::<F32<S>>(), v: y - row.to_float::<F32<S>>() }

@@ -12,6 +12,13 @@ pub fn lerp<S: Lanes>(u: F32<S>, a: F32<S>, b: F32<S>) -> F32<S> {
     u.mul_add(b - a, a)
 }
 
+/// Limited to 0 to `last`, and 0 where there is no number: what addresses are made of. (The plain maximum leaves it to the
+/// processor what becomes of NaN; against a constant this one costs nothing more.)
+#[inline(always)]
+pub fn within<S: Lanes>(s: S, x: F32<S>, last: f32) -> F32<S> {
+    x.max_precise(splat(s, 0.0)).min(splat(s, last))
+}
+
 /// The scalar product.
 #[inline(always)]
 pub fn dot<S: Lanes>(a: Vec3<S>, b: Vec3<S>) -> F32<S> {
@@ -109,6 +116,18 @@ mod tests {
     fn each_set(check: impl Fn(&dyn Fn(f32, f32, bool) -> f32, InstructionSet)) {
         for set in InstructionSet::ALL.into_iter().filter_map(InstructionSet::resolve) {
             check(&|x, n, opacity| dispatch!(set, s => evaluate(s, x, n, opacity)), set);
+        }
+    }
+
+    #[test]
+    fn addresses_are_within_limits_whatever_they_are_made_of() {
+        fn limits<S: Lanes>(s: S, x: f32) -> f32 {
+            within(s, splat(s, x), 7.5)[0]
+        }
+        let signs = [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 3.25, 8.0, -0.0];
+        for set in InstructionSet::ALL.into_iter().filter_map(InstructionSet::resolve) {
+            let found = signs.map(|x| dispatch!(set, s => limits(s, x)));
+            assert_eq!(found, [0.0, 0.0, 7.5, 0.0, 0.0, 3.25, 7.5, 0.0], "{set}");
         }
     }
 

@@ -73,6 +73,8 @@ pub struct Variant {
     pub perturbed: bool,
     /// Each colour is held back in its own way.
     pub chromatic: bool,
+    /// The nodes of tables are not even.
+    pub knots: bool,
 }
 
 impl Variant {
@@ -102,6 +104,7 @@ impl Variant {
             shadowed: off,
             perturbed: off,
             chromatic: off,
+            knots: off,
         }
     }
 
@@ -134,6 +137,8 @@ impl Variant {
                     shadowed: on(17),
                     perturbed: on(18),
                     chromatic: on(19),
+                    // Changes one function: a part of the shaders says enough.
+                    knots: on(0) && on(4),
                 };
                 if variant == variant.canonical() {
                     all.push(variant);
@@ -193,6 +198,8 @@ impl Variant {
             HalfAngleLight => self.indirect,
             pass => matches!(pass, HalfAngleEye | HalfAngleSurface | Resolve | PathTracePixels),
         };
+        // Slices of values are classified where they have become pixels.
+        self.knots &= self.pass.reads() && if projects { !slices } else { !pixels };
         self.shadowed &= self.lights() && self.pass.samples() && !slices && !self.bricks;
         self
     }
@@ -235,6 +242,7 @@ impl Variant {
             ("SHADOWED", self.shadowed),
             ("PERTURBED", self.perturbed),
             ("CHROMATIC", self.chromatic),
+            ("KNOTS", self.knots),
             ("SURFACES", self.pass == Pass::Isosurface),
             ("SEGMENTS", self.pass == Pass::PreIntegrated),
             ("EXTREMES", self.pass.compares_extremes()),

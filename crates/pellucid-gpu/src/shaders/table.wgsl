@@ -11,21 +11,36 @@ fn even_node(value: f32) -> f32 {
     return (value - frame.values.z) * frame.values.w;
 }
 
+#ifdef KNOTS
+// The row `step` rows on, if it is not above a value.
+fn not_above(at: u32, step: u32, value: f32) -> u32 {
+    return select(at, at + step, value >= entries[at + step].x);
+}
+
 // The position of a value among the nodes: by the last of the rows of value, node and slope that is not above it.
 fn node_of(value: f32) -> f32 {
     let knots = u32(frame.table.z);
-    if knots == 0u {
-        return even_node(value);
-    }
+    let half = knots / 2u;
     var at = arrayLength(&entries) - knots;
-    for (var step = knots / 2u; step > 0u; step /= 2u) {
-        if value >= entries[at + step].x {
-            at += step;
-        }
+    // Written out for up to 64 rows: drivers that run on the processor (llvmpipe) end all loops of a shader after
+    // 65,535 rounds, which rays to lights would use up.
+    at = not_above(at, half, value);
+    at = not_above(at, half / 2u, value);
+    at = not_above(at, half / 4u, value);
+    at = not_above(at, half / 8u, value);
+    at = not_above(at, half / 16u, value);
+    at = not_above(at, half / 32u, value);
+    for (var step = half / 64u; step > 0u; step /= 2u) {
+        at = not_above(at, step, value);
     }
     let knot = entries[at];
     return (value - knot.x) * knot.z + knot.y;
 }
+#else
+fn node_of(value: f32) -> f32 {
+    return even_node(value);
+}
+#endif
 
 fn clamped_node(value: f32) -> f32 {
     return clamp(node_of(value), 0.0, f32(frame.dims.w - 1u));

@@ -129,7 +129,12 @@ impl<'a> Slicer<'a> {
         let (blending, is_coarse) = Blending::new(device, optics.pass, slicing);
         let margin = view::margin(stage, grid, &lattice);
         let geometry = Geometry::new(device, (stage, grid), (slicing, &lattice), optics, &resident.bricks, margin)?;
-        let pixels = Variant { traversal: Traversal::SlicePixels, opaque: optics.opaque, ..Variant::of(optics.pass) };
+        let pixels = Variant {
+            traversal: Traversal::SlicePixels,
+            opaque: optics.opaque,
+            knots: !optics.nodes.knots().is_empty(),
+            ..Variant::of(optics.pass)
+        };
         let mut warnings = Vec::new();
         if is_coarse {
             let reason = "the graphics device does not blend 32-bit floats: slices are blended in 16 bits".to_owned();
