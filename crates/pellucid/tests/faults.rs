@@ -160,9 +160,9 @@ mod limits {
     #[test]
     fn little_memory_is_enough_or_is_told() {
         let folder = tempdir().unwrap();
-        let args = [&RENDER, &["--size", "1024x1024", "-o", "a.png"][..]].concat();
+        let args = [&RENDER, &["--size", "2000x2000", "-o", "a.png"][..]].concat();
         let (mut done, mut told) = (0, 0);
-        for kilobytes in (200_000..1_800_000).step_by(80_000) {
+        for kilobytes in (300_000..1_500_000).step_by(100_000) {
             let output = limited(folder.path(), &format!("ulimit -v {kilobytes}"), &args);
             let said = text(&output.stderr);
             if output.status.code() == Some(0) {
