@@ -105,9 +105,9 @@ const NEEDS: &[(&str, &[Need])] = &[
     ("camera.view.orbit.distance", &[FROM_A_POINT]),
     ("volumes[].window", &[CLASSIFIED, SPREAD]),
     ("volumes[].preset", &[NO_TRANSFER_FUNCTION_OR_SURFACE]),
-    ("volumes[].colormap", &[NO_TRANSFER_FUNCTION, CLASSIFIED, COLORED]),
+    ("volumes[].colormap", &[NO_TRANSFER_FUNCTION, CLASSIFIED_OR_PRESET, COLORED]),
     ("volumes[].opacity", &[NO_TRANSFER_FUNCTION, OPACITY_IS_USED]),
-    ("volumes[].transfer_function", &[CLASSIFIED]),
+    ("volumes[].transfer_function", &[CLASSIFIED_OR_PRESET]),
     ("volumes[].unit_distance", &[MEDIUM]),
     ("volumes[].shading", &[MADE_OF_SURFACES]),
     ("volumes[].material", &[MADE_OF_SURFACES, SHADED]),
@@ -171,6 +171,17 @@ const CLASSIFIED: Need = Need {
     otherwise: "every isosurface has a colour of its own",
 };
 
+const CLASSIFIED_OR_PRESET: Need = Need {
+    is_met: |drawn| (CLASSIFIED.is_met)(drawn) || replaces_preset(drawn),
+    otherwise: CLASSIFIED.otherwise,
+};
+
+/// Whether a look stands for a preset that would have been chosen, with its material, if nothing were said.
+fn replaces_preset(drawn: &Drawn) -> bool {
+    let by_preset = matches!(drawn.stage.mode(), Mode::Isosurface(_)) && drawn.entry.preset.is_none();
+    by_preset && drawn.entry.material.is_none() && drawn.volume.material.is_some()
+}
+
 const SPREAD: Need = Need {
     is_met: |drawn| drawn.scene.heeds_window(drawn.entry, &drawn.volume.volume),
     otherwise: "the look has data values of its own and is not spread over a window; a colour map or an opacity shape is",
@@ -192,7 +203,9 @@ const COLORED: Need = Need {
 };
 
 const OPACITY_IS_USED: Need = Need {
-    is_met: |drawn| !matches!(drawn.stage.mode(), Mode::Isosurface(_) | Mode::Slice(_)),
+    is_met: |drawn| {
+        !matches!(drawn.stage.mode(), Mode::Isosurface(_) | Mode::Slice(_)) || replaces_preset(drawn)
+    },
     otherwise: "isosurfaces have opacities of their own, and slices are opaque",
 };
 

@@ -21,7 +21,7 @@ fn small_and_large_numbers_are_told() {
     let folder = tempdir().unwrap();
     let path = folder.path();
     let floats =
-        |largest: f32| -> Vec<u8> { (0..64).flat_map(|k| (largest * k as f32 / 63.0).to_le_bytes()).collect() };
+        |largest: f32| -> Vec<u8> { (0..64).flat_map(|k| (largest * (k as f32 / 63.0)).to_le_bytes()).collect() };
     let header = "type: float\nsizes: 4 4 4\nspacings: 5e-5 5e-5 1.2e-4";
     for (name, largest, said) in [("small.nrrd", 3e-27, "3e-27"), ("large.nrrd", 3e38, "3e38")] {
         write(path, name, nrrd(header, &floats(largest)));
@@ -190,7 +190,7 @@ fn flags_without_effect_are_called_by_their_names() {
         (&["--technique", "path-trace"], &["--supersampling", "2"], "--supersampling"),
         (&["--technique", "path-trace"], &["--step", "0.1"], "--step"),
         (&["--iso", "300"], &["--unit-distance", "99"], "--unit-distance"),
-        (&["--iso", "300,red"], &["--colormap", "hot"], "--colormap"),
+        (&["--iso", "300,red", "--preset", "ct-bone"], &["--colormap", "hot"], "--colormap"),
         (&["--mode", "x-ray"], &["--colormap", "hot"], "--colormap"),
     ];
     let draw = |flags: &[&str]| {

@@ -263,7 +263,7 @@ fn look<E: ToString>(
         Ok(transfer_function) => return Ok(file(transfer_function)),
         Err(error) => error.to_string(),
     };
-    // The keys of presets are not those of transfer functions, which says what the file was meant to be.
+    // What lacks the keys of a preset, or has those of a transfer function, was not meant to be one.
     match preset() {
         Ok(preset) => Ok(LookFile {
             surface: Some((preset.material, preset.shading)),
@@ -271,8 +271,11 @@ fn look<E: ToString>(
             relative: (preset.scale == Scale::Relative).then(|| preset.clone()),
             ..file(preset.transfer_function)
         }),
-        Err(of_preset) if error.contains("`scale`") || error.contains("`name`") => Err(of_preset.to_string()),
-        Err(_) => Err(error),
+        Err(of_preset) => {
+            let of_preset = of_preset.to_string();
+            let other = ["missing field", "unknown field `colors`", "unknown field `opacities`"];
+            Err(if other.iter().any(|part| of_preset.contains(part)) { error } else { of_preset })
+        }
     }
 }
 
