@@ -2,6 +2,7 @@
 //! voxel has, ends of rays. Against closed forms, and the f64 reference that knows no tables.
 
 mod common;
+#[allow(dead_code, reason = "tables stand for integrals elsewhere")]
 mod reference;
 
 use common::{center, render, stage, transfer_function, unit_volume};
