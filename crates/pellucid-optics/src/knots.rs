@@ -107,8 +107,6 @@ pub(crate) fn breaks(curves: Curves, values: &[f64], [low, high]: [f64; 2]) -> V
     let mut breaks: Vec<Break> = Vec::new();
     for value in std::iter::once(low).chain(inside).chain([high]) {
         let address = value as f32;
-        // What rounds to a control point counts as being there.
-        let value = value.max(f64::from(address));
         if let Some(last) = breaks.last_mut()
             && address - last.address < f32::MIN_POSITIVE
         {
@@ -122,12 +120,14 @@ pub(crate) fn breaks(curves: Curves, values: &[f64], [low, high]: [f64; 2]) -> V
     for here in breaks {
         let address = below(here.address);
         let before = Break { value: f64::from(address), address, is_jump: false };
-        let is_jump = curves.differ(before.value, here.value);
+        // What rounds to a control point counts as being there.
+        let upper = here.value.max(f64::from(here.address));
+        let is_jump = curves.differ(before.value, upper);
         if is_jump && with_jumps.last().is_none_or(|last| before.address - last.address >= f32::MIN_POSITIVE) {
             with_jumps.push(before);
         }
-        // Elsewhere the curve is what it is at the number itself, not at the control point that rounds to it.
-        let value = if is_jump { here.value } else { f64::from(here.address) };
+        // Elsewhere the curve is what it is at the point itself: where it is 0, nothing is to be seen.
+        let value = if is_jump { upper } else { here.value };
         with_jumps.push(Break { value, is_jump, ..here });
     }
     with_jumps

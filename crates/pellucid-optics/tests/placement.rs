@@ -70,6 +70,22 @@ fn peaks_of_a_millionth_of_the_range_are_there() {
 }
 
 #[test]
+fn nothing_is_seen_before_the_first_point() {
+    // 0.001 and 0.7 are no numbers of single precision: one is rounded up, the other down.
+    for at in [0.001, 0.7] {
+        let tf = opacities(&[(at, 0.0), (at + 0.01, 0.05), (at + 0.1, 0.1), (at + 0.1, 0.5), (at + 0.2, 0.0)]);
+        let table = Table::for_data(&tf, &floats(-1.0, 1.0)).unwrap();
+        for value in [-1.0, 0.0, at as f32, at as f32 + 0.2] {
+            assert!(value > at as f32 && value < 1.0 || table.lookup(value)[3] == 0.0, "{at}: {value}");
+        }
+        assert!(!Visibility::of_table(&table).any_opacity(-1.0, at as f32 - 1e-4));
+        let segments = PreIntegration::for_data(&tf, &floats(-1.0, 1.0), 1.0).unwrap();
+        assert_eq!(segments.lookup(-1.0, at as f32 - 1e-4), [0.0; 4]);
+        assert_eq!(segments.lookup(1.0, 0.95), [0.0; 4]);
+    }
+}
+
+#[test]
 fn what_single_precision_merges_is_told() {
     assert_eq!(opacities(&[(1e6, 0.0), (1e6 + 0.01, 0.5), (1e6 + 1.0, 0.0)]).merged_points(), Some([1e6, 1e6 + 0.01]));
     assert_eq!(opacities(&[(1e6, 0.0), (1e6, 0.5), (1e6 + 1.0, 0.0)]).merged_points(), None);
