@@ -182,7 +182,7 @@ fn later_layers_win() {
     assert_eq!(step(&["--set", "quality.step="]), json!(0.5));
     assert_eq!(scene(&["--step", "3"])["quality"]["supersampling"], json!(2));
     assert_eq!(scene(&["--colormap", "gray"])["volumes"][0]["preset"], json!("ct-bone"));
-    assert_eq!(scene(&["--set", "volumes[0].preset="])["volumes"][0]["preset"], json!("density"));
+    assert_eq!(scene(&["--set", "volumes[0].preset="])["volumes"][0]["preset"], json!("micro-ct"));
 }
 
 #[test]

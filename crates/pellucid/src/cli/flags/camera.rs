@@ -20,8 +20,8 @@ pub struct CameraFlags {
     /// Degrees the picture is turned clockwise [default: 0]
     #[arg(long, value_name = "DEGREES", value_parser = values::number, allow_hyphen_values = true)]
     roll: Option<f64>,
-    /// Magnification of the picture, greater than 0, as by a lens: the eye stays where it is. --distance
-    /// moves it, also into the volume [default: 1]
+    /// Magnification of the picture, greater than 0, as by a lens: the eye stays where it is, and a
+    /// distance is what moves it [default: 1]
     #[arg(long, value_name = "FACTOR", value_parser = values::number, allow_hyphen_values = true)]
     zoom: Option<f64>,
     /// What is framed where target, distance or height are left out: what is visible of the volume, or
