@@ -122,8 +122,8 @@ pub(super) fn paint_airways<N: Number>(tissue: &mut Tissue<N>, skin: N) {
         return;
     }
     // Frontal sinuses, the left one larger; the divided sphenoid sinus.
-    tissue.blob(hu::AIR, [9.0, -74.6, 18.0], [8.0, 2.2, 9.0]);
-    tissue.blob(hu::AIR, [-8.0, -74.6, 15.0], [6.0, 2.0, 6.5]);
+    tissue.blob(hu::AIR, [9.0, -75.5, 13.5], [7.0, 2.2, 5.5]);
+    tissue.blob(hu::AIR, [-8.0, -75.5, 12.5], [5.5, 2.0, 5.0]);
     tissue.blob(hu::AIR, [7.5, -26.0, -13.0], [7.0, 11.0, 8.5]);
     tissue.blob(hu::AIR, [-7.0, -27.0, -13.0], [5.5, 9.0, 7.5]);
     tissue.blobs(hu::AIR, [26.0, -58.0, -39.0], [10.5, 11.0, 13.5]);
