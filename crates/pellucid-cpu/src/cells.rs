@@ -87,12 +87,13 @@ impl<S: Lanes> Cells<S> {
         self.meet(s);
     }
 
-    /// Goes to the cell at a distance in these lanes.
+    /// Goes to the cell at a distance ahead in these lanes; never back, wherever rounding puts it.
     #[inline(always)]
     pub fn leap(&mut self, s: S, distance: F32<S>, lanes: Mask<S>) {
         self.cell = xyz!(I => {
             let there = self.direction[I].mul_add(distance, self.origin[I]).floor();
-            lanes.select(there, self.cell[I])
+            let ahead = self.ascends[I].simd_gt(splat(s, 0.5)).select(there.max(self.cell[I]), there.min(self.cell[I]));
+            lanes.select(ahead, self.cell[I])
         });
         self.meet(s);
     }

@@ -149,11 +149,11 @@ fn each_face<S: Lanes, F: Field<S>>(
     let mut front = absent;
     loop {
         if let Some(skip) = skip {
-            let (from, middle) = (cells.ends[0], cells.middle());
-            let way = skip.way(s, &rays.at(middle), &rays.inverse);
-            // Only to another cell, or there would be no end.
-            let leaps = open & (middle + way).simd_gt(cells.ends[1]);
-            cells.leap(s, middle + way, leaps);
+            // From the face by which the cell is entered, which is not looked at if the cell is left.
+            let from = cells.ends[0];
+            let to = from + skip.way(s, &rays.at(from), &rays.inverse);
+            let leaps = open & to.simd_gt(cells.ends[1]);
+            cells.leap(s, to, leaps);
             front = leaps.select(absent, front);
             counter.skip(cells.ends[0].min(rays.length()).max(from) - from);
         }

@@ -8,7 +8,7 @@ use common::{render, transfer_function};
 use glam::DVec3;
 use pellucid_cpu::CpuRenderer;
 use pellucid_field::{Grid, Volume};
-use pellucid_optics::{Light, LightKind, LightModel, ShadowRays, Shadows};
+use pellucid_optics::{Light, LightKind, LightModel};
 use pellucid_scene::{
     Classification, Clip, Control, Crop, HalfAngle, Orbit, Projection, Scene, Source, Stage, Technique, View,
 };
@@ -94,7 +94,6 @@ fn a_cut_does_not_depend_on_the_step() {
     let cut = |step: f64| {
         let clipped = stage(|scene| {
             scene.clips = vec![Clip::Plane { point: [15.5; 3], normal: [-0.3, 0.9, -0.3] }];
-            scene.lighting.shadows = Shadows::Rays(ShadowRays { step: 1.0 });
             scene.quality.step = step;
         });
         let frame = render(&clipped);

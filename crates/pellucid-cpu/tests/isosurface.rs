@@ -139,7 +139,8 @@ fn nearest_voxels_have_faces() {
             let ray = stage.viewpoint.ray((pixel % 48) as f64 + 0.5, (pixel / 48) as f64 + 0.5);
             // The first full voxel, by very small steps.
             let at = |t: f64| (index.transform_point3(ray.at(t)) + 0.5).floor().to_array().map(|x| x as i64);
-            let first = (0..80_000).map(|k| f64::from(k) * 1e-3).find(|&t| is_full(at(t)));
+            let near = (affine.transform_point3(DVec3::splat(6.5)) - ray.origin).dot(ray.direction) - 20.0;
+            let first = (0..40_000).map(|k| near + f64::from(k) * 1e-3).find(|&t| is_full(at(t)));
             let Some(first) = first else {
                 assert!(depth.is_infinite(), "pixel {pixel}: {depth}");
                 continue;

@@ -112,7 +112,7 @@ fn cuts_are_lit_as_on_the_cpu() {
         let document = format!(
             "transfer_function = {{ colors = [[0, \"#ffffff\"]], opacities = [[100, 0], [150, 0.9]] }}\nshading = true\n\
              [[clips]]\nplane = {{ point = [15.5, 15.5, 15.5], normal = [-0.3, 0.9, -0.3] }}\n\
-             [[lighting.lights]]\ndirectional = {{ direction = [0.2, 1.0, 0.1] }}\n{technique}"
+             [[lighting.lights]]\nkind.directional.direction = [0.2, 1.0, 0.1]\n{technique}"
         );
         let frames = both(&stage(&solid(), &document, [32, 32]));
         let (other, met) = otherwise(&frames);
@@ -133,7 +133,7 @@ fn each_colour_of_a_background_comes_through_as_on_the_cpu() {
         let document = format!(
             "transfer_function = {{ colors = [[0, \"#000000\"]], opacities = [[0, 0.1]] }}\nshading = false\n\
              scattering = {{ extinction_color = \"#ff8020\" }}\n\
-             [[lighting.lights]]\ndirectional = {{ direction = [0.2, 1.0, 0.1] }}\n\
+             [[lighting.lights]]\nkind.directional.direction = [0.2, 1.0, 0.1]\n\
              [image]\nbackground = {{ color = \"#f0ffe0\" }}\n[quality]\nsupersampling = {}\n{technique}",
             if technique.contains("path") { 1 } else { 2 }
         );

@@ -77,8 +77,9 @@ pub fn highest_sampled<S: Lanes, F: Field<S> + ?Sized>(
     best
 }
 
-/// Values a part of the way, times a sign; negative infinity where absent.
-#[inline(always)]
+/// Values a part of the way, times a sign; negative infinity where absent. One copy of the field's code, which is
+/// long where the filter is wide, serves all looks.
+#[inline(never)]
 fn look<S: Lanes, F: Field<S> + ?Sized>(
     s: S,
     field: &F,
@@ -88,8 +89,13 @@ fn look<S: Lanes, F: Field<S> + ?Sized>(
     sign: f32,
     lanes: Mask<S>,
 ) -> F32<S> {
-    let value = field.values(s, xyz!(I => way[I].mul_add(part, from[I])), lanes) * sign;
-    value.is_finite().select(value, splat(s, f32::NEG_INFINITY))
+    s.vectorize(
+        #[inline(always)]
+        || {
+            let value = field.values(s, xyz!(I => way[I].mul_add(part, from[I])), lanes) * sign;
+            value.is_finite().select(value, splat(s, f32::NEG_INFINITY))
+        },
+    )
 }
 
 /// The larger of two values, with its place.

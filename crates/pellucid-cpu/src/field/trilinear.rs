@@ -1,6 +1,6 @@
 //! Trilinear interpolation and its central differences, for all lanes at once (1.5-10, 5.3-4).
 
-use pellucid_field::{ComponentView, Filter, Linear};
+use pellucid_field::{ComponentView, Linear};
 
 use super::general::{gradient_of_each, value_of_each};
 use super::taps::Bounds;
@@ -282,8 +282,9 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
         self.differences(s, near.index, near.rows.as_ref(), lanes)
     }
 
+    #[inline(always)]
     fn knots(&self) -> Knots {
-        Knots::new(Filter::Linear, self.has_holes)
+        if self.has_holes { Knots::BOTH } else { Knots::VOXELS }
     }
 
     /// Along a ray the interpolation in a cell is a cubic, whose largest value is known; none is more than the

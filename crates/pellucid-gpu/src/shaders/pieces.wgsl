@@ -87,9 +87,11 @@ fn next_cell(cells: ptr<function, Cells>) {
     meet_cell(cells);
 }
 
-// The cell at a distance.
+// The cell at a distance ahead; never back, wherever rounding puts it.
 fn leap_to(cells: ptr<function, Cells>, distance: f32) {
-    (*cells).cell = floor((*cells).origin + (*cells).direction * distance);
+    let there = floor((*cells).origin + (*cells).direction * distance);
+    let cell = (*cells).cell;
+    (*cells).cell = select(min(there, cell), max(there, cell), (*cells).ascends > vec3<f32>(0.0));
     meet_cell(cells);
 }
 

@@ -109,11 +109,10 @@ fn follow_faces(turn: ptr<function, Turn>) {
     while here && looks > 0u && cells.ends.x < cells.length {
         looks -= 1u;
 #ifdef SKIP
-        let middle = (cells.ends.x + cells.ends.y) * 0.5;
-        let to = middle + way_to_matter(ray, ray_at(ray, middle));
-        // Only to another cell, or there would be no end.
+        // From the face by which the cell is entered, which is not looked at if the cell is left.
+        let before = cells.ends.x;
+        let to = before + way_to_matter(ray, ray_at(ray, before));
         if to > cells.ends.y {
-            let before = cells.ends.x;
             leap_to(&cells, to);
             front = ABSENT;
             state.counts.z += u32(max(min(cells.ends.x, cells.length) - before, 0.0));
