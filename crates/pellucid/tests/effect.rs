@@ -92,6 +92,13 @@ const BY_CHANCE: &[(&str, &str)] = &[
     ("scattering", "lighting.lights"),
     // The preset is unlit as it is.
     ("a look over a window", "volumes[0].shading"),
+    // A surface head on, which its first and its last sample bracket alike.
+    ("isosurface, unlit", "quality.jitter"),
+    // The preset's material reflects as much ambient light as the one that stands for none.
+    ("scattering", "volumes[0].shading"),
+    // Every sample that is seen is a surface.
+    ("paths and surfaces", "volumes[0].scattering.phase"),
+    ("paths and surfaces", "volumes[0].scattering.albedo"),
 ];
 
 /// Settings that may change nothing in pictures of so few voxels: no block is uniform enough to take longer steps in.
