@@ -104,14 +104,14 @@ const NEEDS: &[(&str, &[Need])] = &[
     ("camera.view.orbit.zoom", &[FRAMED]),
     ("camera.view.orbit.distance", &[FROM_A_POINT]),
     ("volumes[].window", &[CLASSIFIED, SPREAD]),
-    ("volumes[].preset", &[NO_TRANSFER_FUNCTION_OR_SURFACE]),
+    ("volumes[].preset", &[NO_TRANSFER_FUNCTION_OR_SURFACE, CLASSIFIED_OR_SHADED]),
     ("volumes[].colormap", &[NO_TRANSFER_FUNCTION, CLASSIFIED_OR_PRESET, COLORED]),
     ("volumes[].opacity", &[NO_TRANSFER_FUNCTION, OPACITY_IS_USED]),
     ("volumes[].transfer_function", &[CLASSIFIED_OR_PRESET]),
     ("volumes[].unit_distance", &[MEDIUM]),
-    ("volumes[].shading", &[MADE_OF_SURFACES]),
-    ("volumes[].material", &[MADE_OF_SURFACES, SHADED]),
-    ("volumes[].gradient_weight", &[MADE_OF_SURFACES, SHADED]),
+    ("volumes[].shading", &[SURFACES_OR_AMBIENT]),
+    ("volumes[].material", &[SURFACES_OR_AMBIENT, SHADED]),
+    ("volumes[].gradient_weight", &[MADE_OF_SURFACES, SHADED, NOT_SCATTERED]),
     ("volumes[].scattering.phase", &[LIT_BY_SCATTERING]),
     ("volumes[].scattering.albedo", &[LIT_BY_SCATTERING]),
     ("volumes[].scattering.anisotropy", &[LIT_BY_SCATTERING]),
@@ -127,13 +127,12 @@ const NEEDS: &[(&str, &[Need])] = &[
     ("technique.path_trace.surface_depth", &[MADE_OF_SURFACES]),
     ("technique.half_angle.initial_indirect", &[INDIRECT]),
     ("technique.half_angle.in_scatter", &[INDIRECT]),
-    ("technique.half_angle.blur_angle", &[INDIRECT, SEVERAL_TAPS]),
+    ("technique.half_angle.blur_angle", &[INDIRECT]),
     ("technique.half_angle.taps", &[INDIRECT]),
-    ("technique.half_angle.blur_scaling", &[INDIRECT, SEVERAL_TAPS]),
+    ("technique.half_angle.blur_scaling", &[INDIRECT]),
     ("technique.half_angle.jitter", &[INDIRECT, SEVERAL_TAPS]),
     ("technique.half_angle.seed", &[INDIRECT, SEVERAL_TAPS, JITTERED_TAPS]),
-    ("technique.half_angle.ambient", &[MADE_OF_SURFACES, SHADED]),
-    ("quality.step", &[NOT_BY_PATHS, NOT_A_PLANE, NOT_THE_VOLUMES_PLANES]),
+    ("quality.step", &[NOT_BY_PATHS, NOT_A_PLANE]),
     ("quality.gradient", &[MADE_OF_SURFACES, SHADED]),
     ("quality.classification", &[SAMPLES_OF_RAYS_OR_SLICES, COMPOSITED]),
     ("quality.jitter", &[NOT_A_PLANE, NOT_THE_VOLUMES_PLANES]),
@@ -171,10 +170,8 @@ const CLASSIFIED: Need = Need {
     otherwise: "every isosurface has a colour of its own",
 };
 
-const CLASSIFIED_OR_PRESET: Need = Need {
-    is_met: |drawn| (CLASSIFIED.is_met)(drawn) || replaces_preset(drawn),
-    otherwise: CLASSIFIED.otherwise,
-};
+const CLASSIFIED_OR_PRESET: Need =
+    Need { is_met: |drawn| (CLASSIFIED.is_met)(drawn) || replaces_preset(drawn), otherwise: CLASSIFIED.otherwise };
 
 /// Whether a look stands for a preset that would have been chosen, with its material, if nothing were said.
 fn replaces_preset(drawn: &Drawn) -> bool {
@@ -203,9 +200,7 @@ const COLORED: Need = Need {
 };
 
 const OPACITY_IS_USED: Need = Need {
-    is_met: |drawn| {
-        !matches!(drawn.stage.mode(), Mode::Isosurface(_) | Mode::Slice(_)) || replaces_preset(drawn)
-    },
+    is_met: |drawn| !matches!(drawn.stage.mode(), Mode::Isosurface(_) | Mode::Slice(_)) || replaces_preset(drawn),
     otherwise: "isosurfaces have opacities of their own, and slices are opaque",
 };
 
@@ -236,17 +231,37 @@ fn is_shaded(volume: &StageVolume) -> bool {
     volume.material.is_some()
 }
 
-const LIT_FROM_EVERYWHERE: Need = Need {
+const SURFACES_OR_AMBIENT: Need = Need {
+    // A cloud along rays or in slices still reflects ambient light by its material.
     is_met: |drawn| {
-        let heeded = match &drawn.stage.technique {
-            Technique::PathTrace(_) => false,
-            Technique::HalfAngle(settings) => settings.ambient,
-            Technique::RayCast(_) | Technique::Slicing(_) => true,
-        };
-        heeded && (MADE_OF_SURFACES.is_met)(drawn) && drawn.stage.volumes.iter().any(is_shaded)
+        let composites = matches!(drawn.stage.technique, Technique::RayCast(_) | Technique::Slicing(_));
+        (MADE_OF_SURFACES.is_met)(drawn)
+            || (composites && *drawn.stage.mode() == Mode::Composite)
+            || drawn.stage.half_angle().is_some_and(|settings| settings.ambient)
     },
-    otherwise: "only shaded surfaces reflect ambient light; half-angle slicing if its own 'ambient' is on, and paths find \
+    otherwise: MADE_OF_SURFACES.otherwise,
+};
+
+const LIT_FROM_EVERYWHERE: Need = Need {
+    is_met: |drawn| match &drawn.stage.technique {
+        Technique::PathTrace(_) => false,
+        Technique::HalfAngle(settings) => settings.ambient,
+        Technique::RayCast(_) | Technique::Slicing(_) => {
+            (SURFACES_OR_AMBIENT.is_met)(drawn) && drawn.stage.volumes.iter().any(is_shaded)
+        }
+    },
+    otherwise: "only what is shaded reflects ambient light; half-angle slicing if its own 'ambient' is on, and paths find \
                 their environment instead",
+};
+
+const NOT_SCATTERED: Need = Need {
+    is_met: |drawn| !drawn.stage.scatters(),
+    otherwise: "how much of a sample is a surface is said by scattering.surface where light scatters",
+};
+
+const CLASSIFIED_OR_SHADED: Need = Need {
+    is_met: |drawn| (CLASSIFIED.is_met)(drawn) || (SHADED.is_met)(drawn),
+    otherwise: "every isosurface has a colour of its own, and shading is off",
 };
 
 const LIT_BY_SCATTERING: Need = Need {

@@ -87,7 +87,22 @@ fn contexts() -> Vec<(&'static str, Vec<(&'static str, Value)>)> {
 }
 
 /// Pairs whose second setting has an effect in general and none in this picture.
-const BY_CHANCE: &[(&str, &str)] = &[];
+const BY_CHANCE: &[(&str, &str)] = &[
+    // Where all directions are alike, so are lights.
+    ("scattering", "lighting.lights"),
+    // The preset is unlit as it is.
+    ("a look over a window", "volumes[0].shading"),
+    // A surface head on, which its first and its last sample bracket alike.
+    ("isosurface, unlit", "quality.jitter"),
+    // The preset's material reflects as much ambient light as the one that stands for none.
+    ("scattering", "volumes[0].shading"),
+    // Every sample that is seen is a surface.
+    ("paths and surfaces", "volumes[0].scattering.phase"),
+    ("paths and surfaces", "volumes[0].scattering.albedo"),
+];
+
+/// Settings that may change nothing in pictures of so few voxels: no block is uniform enough to take longer steps in.
+const RARELY: [&str; 1] = ["quality.adaptive_tolerance"];
 
 /// A document with a value somewhere in it; tables are made on the way.
 fn put(document: &mut Value, place: &str, value: Value) {
@@ -109,9 +124,9 @@ fn put(document: &mut Value, place: &str, value: Value) {
 /// The scene that changes make of a small head; `None` if they do not fit together.
 fn scene(changes: &[&(&str, Value)]) -> Option<Scene> {
     let mut document = json!({
-        "volumes": [{ "source": { "sample": { "name": "head", "dims": [20, 24, 24] } } }],
+        "volumes": [{ "source": { "sample": { "name": "head", "dims": [16, 20, 20] } } }],
         "camera": { "view": { "orbit": {} } },
-        "image": { "width": 28, "height": 24 },
+        "image": { "width": 18, "height": 16 },
     });
     for (place, value) in changes {
         put(&mut document, place, value.clone());
@@ -157,7 +172,7 @@ fn what_is_called_without_effect_has_none_and_all_else_has_one() {
             match (told, same) {
                 (true, true) => idle += 1,
                 (false, false) => heeded += 1,
-                _ if BY_CHANCE.contains(&(context, place)) => {}
+                (false, true) if RARELY.contains(place) || BY_CHANCE.contains(&(context, place)) => {}
                 _ => wrong.push(format!("{context} + {place} = {value}: told {told}, same picture {same}")),
             }
         }

@@ -20,8 +20,9 @@ fn write(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) {
 fn small_and_large_numbers_are_told() {
     let folder = tempdir().unwrap();
     let path = folder.path();
-    let floats =
-        |largest: f32| -> Vec<u8> { (0..64).flat_map(|k| (largest * (k as f32 / 63.0)).to_le_bytes()).collect() };
+    let floats = |largest: f64| -> Vec<u8> {
+        (0..64).flat_map(|k| ((largest * f64::from(k) / 63.0) as f32).to_le_bytes()).collect()
+    };
     let header = "type: float\nsizes: 4 4 4\nspacings: 5e-5 5e-5 1.2e-4";
     for (name, largest, said) in [("small.nrrd", 3e-27, "3e-27"), ("large.nrrd", 3e38, "3e38")] {
         write(path, name, nrrd(header, &floats(largest)));
@@ -48,7 +49,7 @@ fn small_and_large_numbers_are_told() {
         };
         assert!((value("unit distance").as_f64().unwrap() - 220e-6 / 3.0).abs() < 1e-12);
         let window = value("window");
-        assert!((window[1].as_f64().unwrap() / f64::from(largest) - 1.0).abs() < 0.02, "{window}");
+        assert!((window[1].as_f64().unwrap() / largest - 1.0).abs() < 0.02, "{window}");
         assert_eq!(value("preset"), "density");
         assert_eq!(value("camera")["eye"].as_array().map(Vec::len), Some(3));
     }
