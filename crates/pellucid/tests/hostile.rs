@@ -97,7 +97,8 @@ fn tables_of_phase_functions() {
 
 #[test]
 fn transfer_functions_and_volume_properties() {
-    const SLICER: &str = r#"{ "volumeProperties": [{ "effectiveRange": [-1000, 5000], "isoSurfaceValues": [],
+    const SLICER: &str = r#"{ "@schema": "https://raw.githubusercontent.com/Slicer/Slicer/main/Modules/Loadable/VolumeRendering/Resources/Schema/volume-property-schema-v1.0.0.json#",
+        "volumeProperties": [{ "effectiveRange": [-1000, 5000], "isoSurfaceValues": [],
         "independentComponents": true, "interpolationType": "linear", "components": [{ "componentWeight": 1.0,
         "shade": true, "lighting": { "ambient": 0.1, "diffuse": 0.9, "specular": 0.2, "specularPower": 10 },
         "scalarOpacityUnitDistance": 0.89,

@@ -29,7 +29,7 @@ impl Place {
             .unwrap();
             std::fs::write(path("mie.csv"), "0 1\n180 2\n").unwrap();
             write_png(path("sky.png"), 2, 2, PngPixels::U8(&[80; 12]), Transfer::Srgb).unwrap();
-            write_exr(path("sky.exr"), 1, 1, &[("R", &[1.0]), ("G", &[1.0]), ("B", &[1.0])]).unwrap();
+            write_exr(path("sky.exr"), 1, 2, &[("R", &[1.0; 2]), ("G", &[1.0; 2]), ("B", &[1.0; 2])]).unwrap();
         }
         Self { folder }
     }
