@@ -198,7 +198,9 @@ mod limits {
         for args in [&["--threads", "1"][..], &[]] {
             let args = [&RENDER[..5], args, &["--size", "8x8", "-o", "a.png"]].concat();
             let mut nobody = Command::new("sh");
-            nobody.args(["-c", "ulimit -u 1 && exec \"$0\" \"$@\""]).arg(&program).args(&args);
+            // Shells differ in what they call it.
+            let limit = "{ ulimit -u 1 || ulimit -p 1; } 2>/dev/null && exec \"$0\" \"$@\"";
+            nobody.args(["-c", limit]).arg(&program).args(&args);
             let output = nobody.current_dir(folder.path()).uid(NOBODY).gid(NOBODY).output().unwrap();
             assert_failed(&args, output.status.code(), &text(&output.stderr), "no threads");
         }

@@ -229,7 +229,7 @@ pub fn affordable(image: &ImageSettings, frames: usize) -> Result<(), Failure> {
     let bytes = (image.width as usize * image.height as usize).saturating_mul(BYTES_PER_PIXEL * (frames + 1));
     memory::afford(bytes).map_err(|_| {
         let size = format_args!("{} x {} pixels", image.width, image.height);
-        Failure::work(format_args!("a picture of {size} needs about {} GB of memory", bytes / 1_000_000_000))
+        Failure::work(format_args!("a picture of {size} needs about {} MB of memory", bytes / 1_000_000))
     })
 }
 
