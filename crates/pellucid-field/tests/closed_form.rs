@@ -303,7 +303,8 @@ fn voxels_see_the_mean_of_what_is_finer_than_they_are() {
         assert!(seen < bound && seen < 0.7 * at_points, "{name} of {cells}: {seen}, at points {at_points}");
     }
     let [seen, at_points] = errors(&Ball { radius: 0.7, edge: 1e-3 }, 48.0, 0.85, 150);
-    assert!(seen < 0.01 && at_points > 0.1, "sharp ball: {seen}, at points {at_points}");
+    // A quintic step is not quite the Gaussian's, and near the surface of a ball nothing hides that.
+    assert!(seen < 0.03 && at_points > 0.2, "sharp ball: {seen}, at points {at_points}");
 }
 
 #[test]
