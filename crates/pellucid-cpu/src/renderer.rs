@@ -170,6 +170,12 @@ fn render(
     };
     frame.warnings.clear();
     frame.warnings.extend(stage.fallbacks());
+    let [brought, held_back] = tally.light;
+    if held_back > 0.0 {
+        let share = 100.0 * held_back / brought;
+        let reason = format!("the firefly clamp held back {share:.2} % of the light that paths brought");
+        frame.warnings.push(RenderWarning::Bias { reason });
+    }
     if tally.visible == 0 {
         frame.warnings.push(RenderWarning::empty(rays_hit));
     }
