@@ -93,6 +93,8 @@ pub struct Tally {
     pub skipped: u64,
     /// Rays stopped because they were opaque.
     pub terminated: u64,
+    /// Luminance that paths brought, and what of it was held back as too bright.
+    pub light: [f64; 2],
 }
 
 impl Tally {
@@ -103,6 +105,7 @@ impl Tally {
         self.visible += other.visible;
         self.skipped += other.skipped;
         self.terminated += other.terminated;
+        self.light = [self.light[0] + other.light[0], self.light[1] + other.light[1]];
     }
 }
 

@@ -177,6 +177,12 @@ fn render(
     frame.warnings.clear();
     frame.warnings.extend(stage.fallbacks());
     frame.warnings.extend(stage.cautions(usize::MAX));
+    let [brought, held_back] = tally.light;
+    if held_back > 0.0 {
+        let share = 100.0 * held_back / brought;
+        let reason = format!("the firefly clamp held back {share:.2} % of the light that paths brought");
+        frame.warnings.push(RenderWarning::Bias { reason });
+    }
     frame.backdrop = stage.backdrop();
     if tally.visible == 0 || stage.is_too_faint(frame) {
         frame.warnings.push(RenderWarning::empty(stage, rays_hit));

@@ -485,3 +485,49 @@ fn every_colour_has_its_own_extinction() {
         agrees(seen, 1.0 - through[channel], &format!("furnace, channel {channel}"));
     }
 }
+
+#[test]
+fn a_firefly_clamp_takes_what_it_says_and_nothing_else() {
+    let settings = |clamp| PathTrace { samples: 256, bounces: 1, firefly_clamp: clamp, ..PathTrace::default() };
+    let sunny = |clamp| {
+        traced(cube(8), 0.1, settings(clamp), |scene| {
+            scene.volumes[0].scattering = scattering(Phase::Isotropic, 1.0);
+            scene.lighting.lights = vec![directional([0.0, 1.0, 0.0])];
+        })
+        .1
+    };
+    let light = |frame: &Frame| frame.color.iter().map(|c| f64::from(luminance([c[0], c[1], c[2]]))).sum::<f64>();
+    let free = sunny(0.0);
+    assert!(light(&free) > 0.0 && free.warnings.is_empty(), "{:?}", free.warnings);
+    // No path is as bright as a thousand whites: the picture is the same to the bit.
+    let high = sunny(1000.0);
+    assert_eq!(high.color, free.color);
+    assert!(high.warnings.is_empty());
+    // All are brighter than a clamp next to nothing: every one that brings light brings just that much.
+    let low = sunny(1e-4);
+    let share = |frame: &Frame| {
+        let warning = frame.warnings.iter().map(ToString::to_string).find(|said| said.contains("firefly"));
+        warning.unwrap().split_whitespace().nth(5).unwrap().parse::<f64>().unwrap()
+    };
+    let said = share(&low);
+    let held_back = 100.0 * (1.0 - light(&low) / light(&free));
+    assert!((said - held_back).abs() < 0.01, "said {said} %, held back {held_back} %");
+    assert!(low.color.iter().all(|c| luminance([c[0], c[1], c[2]]) <= 1.00001e-4), "no pixel is beyond it");
+    assert!(low.color.iter().zip(&free.color).all(|(low, free)| low[3] == free[3]), "coverage stays");
+    // In the white furnace a path brings 1, and a clamp above that changes nothing.
+    let furnace = |clamp| {
+        let settings = PathTrace { samples: 64, environment: WHITE, firefly_clamp: clamp, ..PathTrace::default() };
+        traced(cube(8), 0.3, settings, |scene| {
+            scene.volumes[0].scattering = scattering(Phase::HenyeyGreenstein { g: 0.8 }, 1.0);
+        })
+        .1
+    };
+    // What a path through the furnace brings is 1 in the mean: none of it is lost above what any path brings, and
+    // below that the loss is told.
+    assert_eq!(furnace(1000.0).color, furnace(0.0).color);
+    let (whole, half) = (furnace(0.0), furnace(0.5));
+    assert!(half.color.iter().all(|c| luminance([c[0], c[1], c[2]]) <= 0.50001 * c[3]), "no path brings more than 0.5");
+    let said = share(&half);
+    let held_back = 100.0 * (1.0 - light(&half) / light(&whole));
+    assert!((said - held_back).abs() < 0.01, "said {said} %, held back {held_back} %");
+}

@@ -71,6 +71,11 @@ pub enum RenderWarning {
         /// What was short, and what was done.
         reason: String,
     },
+    /// Light was left out of the picture on purpose.
+    Bias {
+        /// What was left out, and how much of it.
+        reason: String,
+    },
     /// Something was asked for that could not be had, and something else stands for it.
     Fallback {
         /// What was missing, and what was done.
@@ -102,7 +107,7 @@ impl fmt::Display for RenderWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Empty { reason } => write!(f, "the picture is empty: {reason}"),
-            Self::Memory { reason } | Self::Fallback { reason } => f.write_str(reason),
+            Self::Memory { reason } | Self::Bias { reason } | Self::Fallback { reason } => f.write_str(reason),
             Self::Dense { volume, unit_distance, in_voxel, across, voxel } => write!(
                 f,
                 "volumes[{volume}] has an optical depth of up to {in_voxel:.0} in a voxel and of {across:.3e} across: \

@@ -386,14 +386,14 @@ fn path_trace() -> impl Strategy<Value = PathTrace> {
         }),
     ];
     let majorants = select(vec![Majorants::Local, Majorants::Global]);
-    let lens = (prop_oneof![Just(0.0), length()], of(length()), 0.0f32..=100.0, any::<bool>());
+    let lens = (prop_oneof![Just(0.0), length()], of(length()), 0.0f32..=100.0, any::<bool>(), 0.0f32..=1e9);
     (1u32..=1 << 20, 0u32..=100_000, 0.0f32..=1.0, environment, lens, any::<u32>(), 0u32..=100_000, majorants).prop_map(
         |(
             samples,
             bounces,
             noise,
             environment,
-            (aperture, focus, surface_depth, denoise),
+            (aperture, focus, surface_depth, denoise, firefly_clamp),
             seed,
             roulette,
             majorants,
@@ -409,6 +409,7 @@ fn path_trace() -> impl Strategy<Value = PathTrace> {
                 roulette,
                 surface_depth,
                 denoise,
+                firefly_clamp,
                 majorants,
             }
         },

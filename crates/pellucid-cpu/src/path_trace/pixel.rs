@@ -49,6 +49,8 @@ struct Pixel {
     /// Standard error of the luminance.
     noise: f32,
     paths: u32,
+    /// Luminance that the paths brought, and what of it was held back.
+    light: [f64; 2],
     /// Paths that met the volume, and those that collided there.
     met: u32,
     collided: u32,
@@ -67,6 +69,7 @@ impl<F: Values> Draw for Paths<'_, F> {
                 tally.paths += u64::from(pixel.paths);
                 tally.samples += u64::from(pixel.found.samples);
                 tally.visible += u64::from(pixel.collided);
+                tally.light = [tally.light[0] + pixel.light[0], tally.light[1] + pixel.light[1]];
             }
         }
         Ok(())
@@ -84,11 +87,11 @@ impl<F: Values> Paths<'_, F> {
                 // The middle ray was cast for all of them.
                 let (depth, normal) = (f32::INFINITY, [0.0; 3]);
                 let found = Found { color: [0.0; 4], opacities: [0.0; 3], depth, normal, samples: 0 };
-                return Ok(Pixel { found, noise: 0.0, paths: 1, met: u32::from(met), collided: 0 });
+                return Ok(Pixel { found, noise: 0.0, paths: 1, light: [0.0; 2], met: u32::from(met), collided: 0 });
             }
         };
         let (mut radiance, mut passed, mut met, mut collided, mut looks) = ([0.0f64; 3], [0.0f64; 3], 0u32, 0u32, 0u32);
-        let mut brightness = Welford::default();
+        let (mut brightness, mut light) = (Welford::default(), [0.0f64; 2]);
         depths.clear();
         for sample in 0..settings.samples {
             if sample % BATCH == 0 && control.is_cancelled() {
@@ -97,11 +100,14 @@ impl<F: Values> Paths<'_, F> {
             let mut random = Random::new(self.seeds, y * self.width + x, sample);
             let ray = self.lens.ray(x, y, &mut random);
             let found = self.world.follow(&ray, between, &mut random);
+            let brought = luminance(found.radiance);
+            let kept = self.kept(brought);
             for channel in 0..3 {
-                radiance[channel] += f64::from(found.radiance[channel]);
+                radiance[channel] += f64::from(found.radiance[channel] * kept);
                 passed[channel] += f64::from(found.passed[channel]);
             }
-            brightness.add(f64::from(luminance(found.radiance)));
+            light = [light[0] + f64::from(brought), light[1] + f64::from(brought * (1.0 - kept))];
+            brightness.add(f64::from(brought * kept));
             met += u32::from(found.met);
             collided += u32::from(found.depth.is_finite());
             looks = looks.saturating_add(found.looks);
@@ -122,6 +128,12 @@ impl<F: Values> Paths<'_, F> {
         let opacities = passed.map(|sum| (1.0 - sum / count) as f32);
         let found = Found { color, opacities, depth: *depth, normal, samples: looks };
         let noise = brightness.standard_error() as f32;
-        Ok(Pixel { found, noise, paths: brightness.count, met, collided })
+        Ok(Pixel { found, noise, paths: brightness.count, light, met, collided })
+    }
+
+    /// The share that is kept of a path's luminance.
+    fn kept(&self, luminance: f32) -> f32 {
+        let clamp = self.world.settings.firefly_clamp;
+        if clamp > 0.0 && luminance > clamp { clamp / luminance } else { 1.0 }
     }
 }

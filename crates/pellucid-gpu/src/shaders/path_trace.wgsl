@@ -223,6 +223,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         state.counts.z += 1u;
         found = follow(start);
     }
+    // Held back in its own colour, as the CPU backend does.
+    let held = paths.surface.z / max(luminance(found.radiance), 1e-30);
+    if paths.surface.z > 0.0 && held < 1.0 {
+        found.radiance *= held;
+    }
     state.color += vec4<f32>(found.radiance, select(0.0, 1.0, found.has_collided));
     state.place += vec4<f32>(found.passed, 0.0);
     state.counts.x += found.looks;
