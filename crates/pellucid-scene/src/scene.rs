@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use pellucid_field::{Volume, VoxelType};
+use pellucid_field::{Short, Volume, VoxelType};
 use pellucid_optics::{GradientWeight, Lighting, Material, Perturbation, Scattering, TransferFunction};
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
@@ -150,7 +150,13 @@ impl VolumeEntry {
         if let Some([low, high]) = self.window {
             // Control points at its ends are 32-bit floats in tables.
             let ordered = low < high && low.abs().max(high.abs()) <= f64::from(f32::MAX);
-            require(ordered, path, "window", format!("[{low:?}, {high:?}]"), "two finite values, the lower first")?;
+            require(
+                ordered,
+                path,
+                "window",
+                format!("[{}, {}]", Short(low), Short(high)),
+                "two finite values, the lower first",
+            )?;
         }
         if let Some(unit) = self.unit_distance {
             positive(path, "unit_distance", unit, "a length greater than 0")?;

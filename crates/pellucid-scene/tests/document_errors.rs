@@ -264,8 +264,8 @@ fn toml_errors_point_at_their_line() {
             &["volumes[0].transfer_function.opacities[1]", "opacity is 80", "0 to 1"],
         ),
         (
-            "[[volumes]]\nsource = 'memory'\n[volumes.transfer_function]\ncolors = [\n [0, '#000000'],\n [1, @'black']]\nopacities = [[0, 0]]\n",
-            &["volumes[0].transfer_function.colors[1]", "black"],
+            "[[volumes]]\nsource = 'memory'\n[volumes.transfer_function]\ncolors = [\n [0, '#000000'],\n [1, @'blakc']]\nopacities = [[0, 0]]\n",
+            &["volumes[0].transfer_function.colors[1]", "blakc", "did you mean black?"],
         ),
         (
             "[[volumes]]\nsource = 'memory'\n[volumes.transfer_function]\n@colors = []\nopacities = [[0, 0]]\n",

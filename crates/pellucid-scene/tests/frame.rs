@@ -111,11 +111,14 @@ fn what_lies_behind_shines_through() {
 fn a_gradient_runs_from_top_to_bottom_in_linear_light() {
     let image = settings(Background::Gradient { top: Color::WHITE, bottom: Color::BLACK });
     let frame = Frame::new(3, 4);
-    for (row, expected) in [0.875, 0.625, 0.375, 0.125].into_iter().enumerate() {
+    for (row, expected) in [1.0f32, 2.0 / 3.0, 1.0 / 3.0, 0.0].into_iter().enumerate() {
         for column in 0..3 {
-            assert_eq!(frame.composited(row * 3 + column, &image), [expected, expected, expected, 1.0]);
+            let [r, g, b, a] = frame.composited(row * 3 + column, &image);
+            assert!([r, g, b].iter().all(|c| (c - expected).abs() < 1e-6) && a == 1.0, "{row}: {r} {g} {b} {a}");
         }
     }
+    // A single row has the colour halfway.
+    assert_eq!(Frame::new(1, 1).composited(0, &image), [0.5, 0.5, 0.5, 1.0]);
 }
 
 #[test]

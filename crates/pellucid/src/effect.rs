@@ -35,7 +35,7 @@ pub fn without_effect(scene: &Scene, stage: &Stage, also: &[&str]) -> Vec<Withou
         let at = |document: &Value| document.pointer(&pointer).cloned().unwrap_or_default();
         let parts =
             |place: &&str| place.strip_prefix(setting).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-        at(&document) != at(&defaults) || also.iter().any(|place| parts(&place))
+        at(&document) != at(&defaults) || also.iter().any(parts)
     };
     let mut found = Vec::new();
     for (number, (entry, volume)) in scene.volumes.iter().zip(&stage.volumes).enumerate() {

@@ -126,6 +126,9 @@ fn texts_from_outside_do_not_steer_the_terminal() {
     }
 }
 
+/// An input, flags, what must be said, and what must not.
+type Mistake = (&'static str, &'static [&'static str], &'static [&'static str], &'static [&'static str]);
+
 #[test]
 fn mistakes_lead_to_what_is_meant() {
     let folder = tempdir().unwrap();
@@ -138,7 +141,7 @@ fn mistakes_lead_to_what_is_meant() {
         fail_in(path, &[&["render", input, "-o", "a.png", "-q"], flags].concat(), 2)
     };
     let ball = "sample:ball@8x8x8";
-    let cases: Vec<(&'static str, &[&'static str], &[&'static str], &[&'static str])> = vec![
+    let cases: Vec<Mistake> = vec![
         (ball, &["--mode", "mip"], &["'maximum'"], &[]),
         (ball, &["--mode", "MinIP"], &["'minimum'"], &[]),
         (ball, &["--mode", "xray"], &["'x-ray'"], &[]),
