@@ -110,7 +110,7 @@ impl<S: Lanes, F: Field<S>> Medium<'_, S, F> {
             let index = rays.at(met.select(ray.half, splat(self.s, 0.0)));
             let value = self.field.values(self.s, index, met);
             let present = value.is_finite();
-            let gradient = self.cut(rays).gradients(self.s, &index, self.field.gradients(self.s, index, met));
+            let gradient = self.field.gradients(self.s, index, met);
             let found = normals(self.s, gradient).0;
             normal = xyz!(I => present.select(found[I], splat(self.s, 0.0)));
         }

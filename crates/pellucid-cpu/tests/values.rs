@@ -9,7 +9,7 @@ use common::{center, render, stage, transfer_function, unit_volume};
 use glam::DVec3;
 use pellucid_field::{Filter, Grid, SincWindow, Volume, VoxelType, Voxels};
 use pellucid_optics::TransferFunction;
-use pellucid_scene::{Classification, Projection, Stage, TableCache};
+use pellucid_scene::{Classification, Framing, Projection, Stage, TableCache};
 use reference::{Reading, Reference};
 
 const CLASSIFICATIONS: [Classification; 3] = [Classification::Post, Classification::Pre, Classification::PreIntegrated];
@@ -35,6 +35,7 @@ fn classified(volume: Volume, tf: &TransferFunction, classification: Classificat
         scene.quality.classification = classification;
         scene.quality.step = step;
         scene.camera.projection = Projection::Orthographic { height: Some(1e-3) };
+        scene.camera.frame = Framing::Grid;
     })
 }
 

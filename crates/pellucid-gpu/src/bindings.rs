@@ -2,6 +2,7 @@
 
 use bytemuck::{bytes_of, cast_slice};
 use pellucid_field::{Filter, Gradient};
+use pellucid_optics::SurfaceShare;
 use pellucid_scene::{Stage, StageVolume};
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindingResource, Buffer, FilterMode, Sampler,
@@ -75,7 +76,11 @@ impl<'a> Bindings<'a> {
         frame.set_window(&window);
         frame.set_values(resident.field().data());
         frame.set_nodes(&optics.nodes);
-        frame.set_rise(optics.tables.table.nodes());
+        // Where the length of a gradient tells something, a cut must not lengthen it.
+        let by_gradient = stage.scatters() && matches!(volume.scattering.surface, SurfaceShare::Gradient(_));
+        if volume.gradient_weight.is_none() && !by_gradient {
+            frame.set_rise(optics.tables.table.nodes());
+        }
         if let Some(blocks) = optics.blocks {
             frame.set_blocks(blocks.dims, blocks.size);
         }

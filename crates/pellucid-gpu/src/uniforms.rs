@@ -228,7 +228,8 @@ impl Frame {
         self.table = [low, high, nodes.knots().len() as f32, 0.0];
     }
 
-    /// How much data values would rise over the first voxel behind a cut: by the width of the transfer function.
+    /// How much data values would rise over the first voxel behind a cut: by the width of the transfer function. Not
+    /// set where cuts are not lit by their faces.
     pub fn set_rise(&mut self, nodes: &Nodes) {
         let [low, high] = nodes.domain();
         self.gradient_x[3] = if high > low { (high - low) as f32 } else { 1.0 };

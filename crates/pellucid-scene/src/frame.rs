@@ -20,7 +20,7 @@ pub struct Frame {
     /// one half, to the surface, or to the projected extreme; infinite where there is none.
     pub depth: Vec<f32>,
     /// Unit world normal at that depth, out of the surface towards lower values, whichever side of it the eye is
-    /// on; of a slice, its own, and of matter that a clip or the box cuts, that of the cut. Zero where there is none.
+    /// on, also where a clip or the box cuts through matter; of a slice, its own. Zero where there is none.
     pub normal: Vec<[f32; 3]>,
     /// Field samples taken for the pixel, gradient taps not counted.
     pub samples: Vec<u32>,

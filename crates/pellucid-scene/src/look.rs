@@ -84,6 +84,10 @@ impl Look {
             }
             Technique::RayCast(_) | Technique::Slicing(_) => {}
         }
+        // The others follow light through the volume by themselves, or not at all.
+        if !matches!(scene.technique, Technique::RayCast(_)) {
+            scene.lighting.shadows = Shadows::default();
+        }
         let physical = matches!(scene.technique, Technique::PathTrace(_));
         for entry in &mut scene.volumes {
             entry.shading = Some(self != Self::Cloud);

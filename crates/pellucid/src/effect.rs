@@ -4,7 +4,7 @@ use std::fmt;
 
 use pellucid_optics::SurfaceShare;
 use pellucid_scene::{
-    BlendOrder, BlurJitter, Classification, HalfAngle, Isosurface, Mode, Orbit, PathTrace, Projection, RayCast, Scene,
+    BlendOrder, BlurJitter, Classification, Combine, HalfAngle, Isosurface, Mode, Orbit, PathTrace, RayCast, Scene,
     Slice, SliceGeometry, Slicing, Source, Stage, StageVolume, Technique, View, VolumeEntry,
 };
 use serde_json::Value;
@@ -101,9 +101,8 @@ struct Need {
 /// Settings and their needs; the first that is not met is told. Settings of speed alone are not here: the picture never
 /// depends on them.
 const NEEDS: &[(&str, &[Need])] = &[
-    ("camera.view.orbit.zoom", &[FRAMED]),
     ("camera.view.orbit.distance", &[FROM_A_POINT]),
-    ("volumes[].window", &[CLASSIFIED, SPREAD]),
+    ("volumes[].window", &[CLASSIFIED_OR_PRESET, SPREAD]),
     ("volumes[].preset", &[NO_TRANSFER_FUNCTION_OR_SURFACE, CLASSIFIED_OR_SHADED]),
     ("volumes[].colormap", &[NO_TRANSFER_FUNCTION, CLASSIFIED_OR_PRESET, COLORED]),
     ("volumes[].opacity", &[NO_TRANSFER_FUNCTION, OPACITY_IS_USED]),
@@ -132,23 +131,14 @@ const NEEDS: &[(&str, &[Need])] = &[
     ("technique.half_angle.blur_scaling", &[INDIRECT]),
     ("technique.half_angle.jitter", &[INDIRECT, SEVERAL_TAPS]),
     ("technique.half_angle.seed", &[INDIRECT, SEVERAL_TAPS, JITTERED_TAPS]),
-    ("quality.step", &[NOT_BY_PATHS, NOT_A_PLANE]),
+    ("quality.step", &[NOT_BY_PATHS, NOT_A_PLANE, NOT_AN_EXTREME]),
     ("quality.gradient", &[MADE_OF_SURFACES, SHADED]),
     ("quality.classification", &[SAMPLES_OF_RAYS_OR_SLICES, COMPOSITED]),
-    ("quality.jitter", &[NOT_A_PLANE, NOT_THE_VOLUMES_PLANES]),
+    ("quality.jitter", &[NOT_A_PLANE, NOT_AN_EXTREME, NOT_THE_VOLUMES_PLANES]),
     ("quality.early_termination", &[NOT_BY_PATHS, BECOMES_OPAQUE, NEAREST_FIRST]),
     ("quality.adaptive_tolerance", &[BY_RAYS, COMPOSITED, POST_CLASSIFIED]),
     ("quality.supersampling", &[NOT_BY_PATHS]),
 ];
-
-const FRAMED: Need = Need {
-    is_met: |drawn| match (drawn.scene.camera.projection, drawn.scene.camera.view) {
-        (Projection::Perspective { .. }, View::Orbit(orbit)) => orbit.distance.is_none(),
-        (Projection::Orthographic { height }, View::Orbit(_)) => height.is_none(),
-        (_, View::LookAt(_)) => true,
-    },
-    otherwise: "it is a magnification on top of framing, and the distance of the eye or the height of the picture is set",
-};
 
 const FROM_A_POINT: Need = Need {
     // Rays that begin within the volume miss what lies behind the eye.
@@ -306,6 +296,15 @@ const THICK: Need = Need {
 
 const NOT_A_PLANE: Need =
     Need { is_met: THICK.is_met, otherwise: "a slice without thickness has one sample for a ray" };
+
+const NOT_AN_EXTREME: Need = Need {
+    is_met: |drawn| {
+        let extreme = |combine| matches!(combine, Combine::Maximum | Combine::Minimum);
+        !matches!(drawn.stage.mode(), Mode::Maximum | Mode::Minimum)
+            && !matches!(drawn.stage.mode(), Mode::Slice(Slice { combine, .. }) if extreme(*combine))
+    },
+    otherwise: "the extreme of a ray is found in every cell that it passes, wherever samples are",
+};
 
 const NOT_THE_VOLUMES_PLANES: Need = Need {
     is_met: |drawn| drawn.stage.slicing().is_none_or(|slicing| slicing.geometry != SliceGeometry::ObjectAligned),

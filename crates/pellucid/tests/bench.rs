@@ -56,7 +56,9 @@ fn json_has_every_figure_and_the_machine() {
 fn the_frames_timed_are_those_that_render_draws() {
     let folder = tempdir().unwrap();
     let path = folder.path();
-    let flags = ["sample:tubes@20x30x25", "--size", "40x30", "--set", "quality.step=0.7", "--quiet"];
+    // From where the volume is framed alike on all sides: render frames every view by itself.
+    let (eye, target) = ("--distance=4", "camera.view.orbit.target=[0,0,0]");
+    let flags = ["sample:tubes@20x30x25", "--size=40x30", "--set=quality.step=0.7", "--quiet", eye, "--set", target];
     let bench = |args: &[&str]| {
         let output = succeed_in(path, &[&["bench"], &flags[..], &["--frames", "2", "--json", "-"], args].concat());
         let told: Value = serde_json::from_str(&output).unwrap();

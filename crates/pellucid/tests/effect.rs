@@ -90,6 +90,8 @@ fn contexts() -> Vec<(&'static str, Vec<(&'static str, Value)>)> {
 const BY_CHANCE: &[(&str, &str)] = &[
     // Where all directions are alike, so are lights.
     ("scattering", "lighting.lights"),
+    // A light at the eye casts no shadow that is seen on what nothing covers.
+    ("isosurface of its own colour", "lighting.shadows"),
     // The preset is unlit as it is.
     ("a look over a window", "volumes[0].shading"),
     // A surface head on, which its first and its last sample bracket alike.

@@ -15,7 +15,8 @@ use pellucid_scene::{Control, Stage};
 /// Along +y, unlit, over a narrow part of the picture's middle.
 fn along_y(volume: &Volume, document: &str) -> Stage {
     let text = format!(
-        "shading = false\n{document}\n[camera.projection.orthographic]\nheight = 0.001\n[camera.view.orbit]\nazimuth = 0\nelevation = 0"
+        "shading = false\n{document}\n[camera]\nframe = \"grid\"\nprojection.orthographic.height = 0.001\n\
+         view.orbit = {{ azimuth = 0, elevation = 0 }}"
     );
     stage(&Arc::new(volume.clone()), &text, [8, 8])
 }

@@ -299,11 +299,13 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
         // SAFETY: `locate` gives a cell of the grid, and the rows at dy, dz and dy + dz are its
         // other edges.
         let mut rows = unsafe { rgba!(R => T::pair(s, self.data, offset, steps[R], at_end)) };
+        let mut lanes = lanes;
         if self.has_holes {
-            // No piece passes from the part of one voxel to that of another.
+            // No piece passes from the part of one voxel to that of another, and there is none where that is absent.
             let high = xyz!(I => middle[I].simd_ge(splat(s, 0.5)));
             let [a, b, c, d] = rgba!(R => high[0].select(rows[R][1], rows[R][0]));
             let nearest = high[2].select(high[1].select(d, c), high[1].select(b, a));
+            lanes = lanes & nearest.is_finite();
             rows = rgba!(R => {
                 let [a, b] = rows[R];
                 [a.is_finite().select(a, nearest), b.is_finite().select(b, nearest)]

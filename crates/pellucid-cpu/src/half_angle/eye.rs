@@ -374,7 +374,7 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
         // By rounding, opacity may reach one half on the one way and not on the other.
         let met = met & half.is_finite();
         let found = rays.at(met.select(half, zero));
-        let gradient = self.cut(&rays, backward).gradients(s, &found, self.field.gradients(s, found, met));
+        let gradient = self.field.gradients(s, found, met);
         (found, met, normals(s, gradient).0)
     }
 

@@ -72,7 +72,7 @@ impl Reference<'_> {
             [Some(early), Some(late)] if early == late => {
                 let world = path.ray.at(early);
                 let p = self.field.index(world);
-                let gradient = gradient_of(p, self.field.value(p), world);
+                let gradient = self.field.gradient(p, self.field.value(p));
                 (seen.depth, seen.normal) = (Some(early), self.field.normal_of(gradient));
             }
             _ => (seen.depth, seen.normal) = (None, None),

@@ -1,6 +1,7 @@
 //! What a ray makes of its values without an order (1.4-10, 1.4-11), and the plane of a slice.
 
 use glam::DVec3;
+use pellucid_field::Filter;
 use pellucid_scene::Slice;
 
 use super::path::Path;
@@ -14,7 +15,11 @@ impl Reference<'_> {
         let mut found: Vec<(f64, f64)> = Vec::new();
         for pair in self.knots(path).windows(2) {
             // A voxel that is absent ends the field at a knot: rounding must not decide on which side a look is.
-            let room = if self.field.has_holes() { 1e-3 } else { 0.0 };
+            let room = match (self.field.has_holes(), self.stage.quality.filter) {
+                (false, _) => 0.0,
+                (true, Filter::Linear) => 5e-5,
+                (true, _) => 1e-3,
+            };
             let at = |part: f64| pair[0] + (pair[1] - pair[0]) * part;
             let value = |part: f64| sign * self.field.value(self.field.index(path.ray.at(at(part))));
             let mut parts = vec![0.5];

@@ -385,7 +385,8 @@ fn eye_pass(light: &Travelling, run: u32, [row, rows, sub]: [u32; 3], is_first: 
     let Range { start, end } = light.slabs_of(run);
     uniforms::Pass {
         rows: [row, rows, sub, 0],
-        texture_low: [0, 0, 0, u32::from(is_first && run == 0)],
+        // Whether a sweep begins, and whether it is the first.
+        texture_low: [0, 0, u32::from(run == 0), u32::from(is_first && run == 0)],
         core_low: [start, end, light.layers(), start % light.layers()],
         ..uniforms::Pass::default()
     }

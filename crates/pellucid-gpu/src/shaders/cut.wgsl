@@ -35,7 +35,7 @@ fn cut_gradient(ray: Ray, p: vec3<f32>, gradient: vec3<f32>) -> vec3<f32> {
         }
     }
     let depth = dot(normal, p) - offset;
-    if least == OFF || depth >= DEEPEST {
+    if least == OFF || depth >= DEEPEST || frame.gradient_x.w == 0.0 {
         return gradient;
     }
     let deep = max(depth, 1.0);

@@ -48,7 +48,8 @@ fn follow(turn: ptr<function, Turn>) {
             next_cell(&cells);
         }
     }
-    state.place.x = cells.ends.x;
+    // The middle of a piece tells it from its neighbours.
+    state.place.x = (cells.ends.x + cells.ends.y) * 0.5;
     if cells.ends.x >= cells.length {
         state.counts.w |= DONE;
         set_value(&state, state.place.y * SIGN, state.place.z);

@@ -91,8 +91,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let is_first = bounds.texture_low.w != 0u;
     let eye = eye_crossing(turn.ray);
     let inverse = 1.0 / nonzeros(eye.crossing.direction);
-    // A new state has another use of it.
-    var color = select(turn.state.place, vec4<f32>(0.0), is_first);
+    // A new state, and one that another sweep has left, has another use of it.
+    var color = select(turn.state.place, vec4<f32>(0.0), bounds.texture_low.z != 0u);
     var counts = turn.state.counts;
     let end = min(bounds.core_low.y, u32(max(ceil(eye.crossing.ends.y), 0.0)));
     var slab = max(bounds.core_low.x, u32(max(eye.crossing.ends.x, 0.0)));

@@ -18,7 +18,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let found = turn.state.place;
     // Light of several sweeps adds up; what holds it back is the same in all of them.
     turn.state.color += vec4<f32>(found.rgb, coverage(found.a) / sweep.scales.w);
-    // The next sweep begins anew.
+    // What is held back of each colour, until another sweep begins.
     turn.state.place = vec4<f32>(0.0, each_opacity(found.a));
     if found.a >= 0.5 && turn.state.surface.w == NOWHERE {
         let eye = eye_crossing(turn.ray);

@@ -13,11 +13,7 @@
 // The gradient, where samples may be surfaces. How long it is tells nothing at a cut.
 fn gradient_of_surface(ray: Ray, p: vec3<f32>) -> vec3<f32> {
 #ifdef SHADED
-#ifdef WEIGHTED
-    return field_gradient(p);
-#else
     return cut_gradient(ray, p, field_gradient(p));
-#endif
 #else
     return vec3<f32>(0.0);
 #endif
@@ -48,6 +44,6 @@ fn add_normal(state: ptr<function, State>, ray: Ray) {
         return;
     }
 #endif
-    let normal = normal_of(cut_gradient(ray, p, field_gradient(p))).direction;
+    let normal = normal_of(field_gradient(p)).direction;
     (*state).surface = vec4<f32>(normal, (*state).surface.w);
 }
