@@ -61,26 +61,25 @@ impl Frame {
         const LEAST: usize = 1 << 14;
         let width = self.width.max(1);
         let mut values = vec![[T::default(); 4]; self.color.len()];
-        let encode = |(y, (values, colors)): (usize, (&mut [[T; 4]], &[[f32; 4]]))| {
-            let backdrop = self.backdrop(image, y);
-            let code = |color| {
-                let [r, g, b, a] = backdrop.straightened(color);
-                [light(r), light(g), light(b), alpha(a)]
-            };
-            if backdrop.varies || !self.opacities.is_empty() {
-                for (x, (value, color)) in values.iter_mut().zip(colors).enumerate() {
-                    let pixel = y * width + x;
-                    *value = code(backdrop.of(self, pixel).behind(*color, self.held_back(pixel)));
-                }
-            } else {
-                for (value, color) in values.iter_mut().zip(colors) {
-                    *value = code(backdrop.behind(*color, [color[3]; 3]));
-                }
-            }
-        };
         parallel(|| {
             let rows = values.par_chunks_mut(width).zip(self.color.par_chunks(width)).enumerate();
-            rows.with_min_len(LEAST.div_ceil(width)).for_each(encode);
+            rows.with_min_len(LEAST.div_ceil(width)).for_each(|(y, (values, colors))| {
+                let backdrop = self.backdrop(image, y);
+                let code = |color| {
+                    let [r, g, b, a] = backdrop.straightened(color);
+                    [light(r), light(g), light(b), alpha(a)]
+                };
+                if backdrop.varies || !self.opacities.is_empty() {
+                    for (x, (value, color)) in values.iter_mut().zip(colors).enumerate() {
+                        let pixel = y * width + x;
+                        *value = code(backdrop.of(self, pixel).behind(*color, self.held_back(pixel)));
+                    }
+                } else {
+                    for (value, color) in values.iter_mut().zip(colors) {
+                        *value = code(backdrop.behind(*color, [color[3]; 3]));
+                    }
+                }
+            });
         });
         values.into_flattened()
     }

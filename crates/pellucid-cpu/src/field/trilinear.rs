@@ -305,7 +305,7 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
             let high = xyz!(I => middle[I].simd_ge(splat(s, 0.5)));
             let [a, b, c, d] = rgba!(R => high[0].select(rows[R][1], rows[R][0]));
             let nearest = high[2].select(high[1].select(d, c), high[1].select(b, a));
-            lanes = lanes & nearest.is_finite();
+            lanes &= nearest.is_finite();
             rows = rgba!(R => {
                 let [a, b] = rows[R];
                 [a.is_finite().select(a, nearest), b.is_finite().select(b, nearest)]

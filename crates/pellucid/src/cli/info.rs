@@ -82,7 +82,13 @@ impl<'v> About<'v> {
         let histogram = Histogram::of_levels(volume, component)
             .map_or_else(|| Histogram::new(volume, component, Histogram::BINS), Ok)
             .map_err(Failure::input)?;
-        let volume = stage.volumes.first().map_or_else(|| volume.clone(), |staged| staged.volume.clone());
+        // The values are the file's, also where they are drawn as differences.
+        let volume = match stage.volumes.first().map(|staged| staged.volume.grid()) {
+            Some(grid) if grid != volume.grid() => {
+                Arc::new(Volume::clone(volume).with_grid(*grid).map_err(Failure::input)?)
+            }
+            _ => volume.clone(),
+        };
         Ok(Self { volume, histogram, warnings, choices })
     }
 
