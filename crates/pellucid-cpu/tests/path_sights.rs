@@ -5,7 +5,7 @@ mod common;
 use common::paths::*;
 use common::{render, stage, transfer_function, volume_of};
 use glam::{DAffine3, DMat3, DVec3};
-use pellucid_scene::{Frame, PathTrace, Projection, Quality, Stage, Technique};
+use pellucid_scene::{Frame, Framing, PathTrace, Projection, Quality, Stage, Technique};
 
 const SIDE: usize = 40;
 
@@ -21,6 +21,7 @@ fn balls(projection: Projection, shear: f64, technique: Technique) -> Stage {
     stage(volume, transfer_function(&[(0.0, 0xffffff)], &[(-0.1, 0.0), (0.1, 0.4)]), |scene| {
         scene.lighting = DARK;
         scene.camera.projection = projection;
+        scene.camera.frame = Framing::Grid;
         scene.quality = Quality { supersampling: 4, step: 0.25, ..scene.quality.clone() };
         (scene.image.width, scene.image.height) = (SIDE as u32, SIDE as u32);
         scene.technique = technique;
