@@ -59,6 +59,7 @@ fn a_slab_is_no_less_than_a_plane_in_it() {
         let draw = |thickness: f64, shift: f64, combine: Combine| {
             render(&stage(unit_volume([9, 10, 11], value), gray(), |scene| {
                 turned(scene, 25.0, 65.0, 0.5);
+                scene.camera.frame = pellucid_scene::Framing::Grid;
                 let point = (DVec3::new(4.0, 4.5, 5.0) + DVec3::from(normal).normalize() * shift).to_array();
                 let slice = Slice { point: Some(point), normal: Some(normal), thickness, combine };
                 set_mode(scene, Mode::Slice(slice));

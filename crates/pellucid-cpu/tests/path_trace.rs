@@ -138,6 +138,8 @@ fn without_scattering_there_is_the_ray_casters_absorption_and_emission() {
             scene.lighting = DARK;
             scene.volumes[0].shading = Some(true);
             scene.volumes[0].material = Some(glow);
+            // A radiograph is framed by all of its values.
+            scene.camera.frame = pellucid_scene::Framing::Grid;
             // Rays of the mean over each pixel, as paths are.
             scene.quality.supersampling = 8;
             scene.quality.step = 0.25;

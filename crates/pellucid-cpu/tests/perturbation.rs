@@ -111,7 +111,9 @@ fn next_to_nothing_is_nothing() {
         };
         let plain = render(&perturbed(&Perturbation::default(), unlit));
         let found = render(&perturbed(&still, unlit));
-        assert_eq!(plain.color, found.color, "{name}");
+        // Extremes of fields that noise may bend are looked for, and not known from the voxels.
+        let most = if ["maximum", "minimum"].contains(&name) { 1e-4 } else { 0.0 };
+        assert!(rmse(&plain, &found) <= most, "{name}: {}", rmse(&plain, &found));
     }
 }
 
