@@ -17,7 +17,7 @@ use proptest::prelude::*;
 use reference::{Reading, Reference, Seen};
 
 /// The largest difference of a channel, before anything is quantised.
-const CHANNEL: f64 = 1e-4;
+const CHANNEL: f64 = 3e-4;
 /// The largest difference of a depth, in steps.
 const DEPTH: f64 = 1e-3;
 /// The largest difference of a coordinate of a normal.

@@ -5,7 +5,7 @@ mod common;
 use common::paths::*;
 use common::{render, stage, transfer_function, volume_of};
 use glam::{DAffine3, DMat3, DVec3};
-use pellucid_scene::{Frame, Framing, PathTrace, Projection, Quality, Stage, Technique};
+use pellucid_scene::{Frame, PathTrace, Projection, Quality, Stage, Technique};
 
 const SIDE: usize = 40;
 
@@ -21,7 +21,6 @@ fn balls(projection: Projection, shear: f64, technique: Technique) -> Stage {
     stage(volume, transfer_function(&[(0.0, 0xffffff)], &[(-0.1, 0.0), (0.1, 0.4)]), |scene| {
         scene.lighting = DARK;
         scene.camera.projection = projection;
-        scene.camera.frame = Framing::Grid;
         scene.quality = Quality { supersampling: 4, step: 0.25, ..scene.quality.clone() };
         (scene.image.width, scene.image.height) = (SIDE as u32, SIDE as u32);
         scene.technique = technique;
@@ -37,7 +36,11 @@ fn pixels_that_see_nothing_are_not_followed() {
             let traced = render(&balls(projection, shear, Technique::PathTrace(settings.clone())));
             let cast = render(&balls(projection, shear, Technique::default()));
             let rays = traced.statistics.rays as usize;
-            assert!((SIDE * SIDE * 2..SIDE * SIDE * SAMPLES as usize / 2).contains(&rays), "{projection:?}: {rays}");
+            // The balls are framed tightly: more than a third of the pixels sees nothing all the same.
+            assert!(
+                (SIDE * SIDE * 2..SIDE * SIDE * SAMPLES as usize * 2 / 3).contains(&rays),
+                "{projection:?}: {rays}"
+            );
             assert!(traced.statistics.rays_hit > 0 && traced.statistics.rays_hit <= traced.statistics.rays);
             let alpha = |frame: &Frame, k: usize| f64::from(frame.color[k][3]);
             let (mut difference, mut variance) = (0.0, 0.0);
