@@ -45,8 +45,8 @@ pub struct PathTrace {
     pub denoise: bool,
     /// How bright a path may be, 0 or more: one with a higher luminance, of which 1 is white, is held to it in its own
     /// colour. Rare bright paths are the speckles (fireflies) that fall slowest with more samples; what is held back is
-    /// missing from the picture, which is darker by a share that the renderer of the processor reports. 10 takes speckles from
-    /// clouds and bone for less than a hundredth of the light; keep it well above the brightest that is seen. Default 0,
+    /// missing from the picture, which is darker by a share that the renderer of the processor reports.
+    /// Keep it well above the brightest that is seen. Default 0,
     /// which holds nothing back and is free of bias.
     pub firefly_clamp: f32,
     /// What bounds the extinction where paths look for their next collision. Default local.
