@@ -47,17 +47,13 @@ impl Reference<'_> {
             let weighs = self.staged.gradient_weight.is_some();
             let gradient_lit = if weighs { self.field.gradient(p, sample.value) } else { gradient };
             let base = [r / alpha, g / alpha, b / alpha];
-            let lit = |gradient| self.lit(base, world, gradient, -path.ray.direction);
-            let [r, g, b] = lit(gradient_lit);
+            let [lit, doubt] = self.lit_and_doubt(base, world, sample.value, gradient_lit, -path.ray.direction);
             let share = (1.0 - seen.color[3]) * alpha;
-            for (channel, light) in seen.color.iter_mut().zip([r, g, b, 1.0]) {
-                *channel += share * light;
+            for channel in 0..3 {
+                seen.color[channel] += share * lit[channel];
+                seen.doubt[channel] += share * doubt[channel];
             }
-            for other in self.field.doubtful_gradients(p, sample.value, gradient_lit) {
-                for (channel, (a, b)) in seen.doubt.iter_mut().zip([r, g, b].into_iter().zip(lit(other))) {
-                    *channel += share * (a - b).abs();
-                }
-            }
+            seen.color[3] += share;
             for (half, room) in halves.iter_mut().zip([-1e-5, 1e-5]) {
                 if half.is_none() && seen.color[3] >= 0.5 + room {
                     *half = Some(sample.distance);

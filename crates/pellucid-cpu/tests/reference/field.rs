@@ -153,31 +153,32 @@ impl<'a> Field<'a> {
         self.grid().index_from_world().matrix3.transpose() * index_gradient
     }
 
-    /// The gradients beside a position in a flat place, where these are others than at the position: the end of what
-    /// a sum of voxels sees passes by there, and rounding decides whether there is a slope at all, of whatever
-    /// direction. Samples of one ray may be rounded to different sides, which no single [`Reading`] says.
+    /// Gradients that rounding cannot tell from this one at a position: a little longer and shorter along every axis;
+    /// and in a flat place, one beside it, where the end of what a sum of voxels sees passes by, and rounding decides
+    /// whether there is a slope at all, of whatever direction. Samples of one ray may be rounded to different sides,
+    /// which no single [`Reading`] says.
     pub fn doubtful_gradients(&self, p: DVec3, center: f64, gradient: DVec3) -> Vec<DVec3> {
         /// Voxels.
         const ASIDE: f64 = 1e-5;
+        /// What single precision makes of differences of values, in ranges of values.
+        const ROUNDING: f64 = 2e-6;
+        let corners =
+            (0..8).map(|bits| DVec3::from_array([0, 1, 2].map(|axis| f64::from(bits >> axis & 1) * 2.0 - 1.0)));
+        let world_from_index_gradient = self.grid().index_from_world().matrix3.transpose();
+        let rounding = ROUNDING * self.range * world_from_index_gradient;
+        let rounded = corners.clone().map(|corner| gradient + rounding * corner);
         let index_gradient = self.grid().world_from_index().matrix3.transpose() * gradient;
         let is_wide = self.filter != Filter::Linear || self.gradient != Gradient::Central;
         if !is_wide || index_gradient.length() > 1e-6 * self.range {
-            return Vec::new();
+            return rounded.collect();
         }
-        let aside =
-            |bits: i32| DVec3::from_array([0, 1, 2].map(|axis| f64::from(bits >> axis & 1) * 2.0 - 1.0)) * ASIDE;
-        let beside = (0..8).map(|bits| self.gradient(p + aside(bits), center));
+        let beside = corners.map(|corner| self.gradient(p + corner * ASIDE, center));
         let far = beside.max_by(|a, b| a.length().total_cmp(&b.length())).filter(|beside| *beside != gradient);
-        far.into_iter().collect()
+        rounded.chain(far).collect()
     }
 
-    /// The unit normal towards lower values, zero where the field is flat; `None` where the gradient
-    /// is too short for its direction to be more than rounding.
-    pub fn normal(&self, p: DVec3, center: f64) -> Option<DVec3> {
-        self.normal_of(self.gradient(p, center))
-    }
-
-    /// The same of a gradient in the world.
+    /// The unit normal towards lower values of a gradient in the world, zero where the field is flat; `None` where the
+    /// gradient is too short for its direction to be more than rounding.
     pub fn normal_of(&self, gradient: DVec3) -> Option<DVec3> {
         let index_gradient = self.grid().world_from_index().matrix3.transpose() * gradient;
         let certain = gradient == DVec3::ZERO || index_gradient.length() > 2e-3 * self.range;

@@ -4,7 +4,7 @@ use pellucid_optics::ColorSpace;
 use pellucid_scene::Isovalue;
 
 use super::path::Path;
-use super::{Reference, Seen};
+use super::{DEPTH, NORMAL, Reference, Seen};
 
 impl Reference<'_> {
     /// The surfaces along a path, nearest first. `None` if the field passes a level several times
@@ -29,15 +29,29 @@ impl Reference<'_> {
                 let world = path.ray.at(distance);
                 let p = self.field.index(world);
                 let base = level.color.map_or_else(|| self.tf.color(level.value), |c| c.to_linear(ColorSpace::Srgb));
-                let color = self.lit(base.map(f64::from), world, self.field.gradient(p, level.value), to_eye);
+                let gradient = self.field.gradient(p, level.value);
+                let [lit, mut doubt] = self.lit_and_doubt(base.map(f64::from), world, level.value, gradient, to_eye);
+                // A surface at a glancing angle is found somewhere along the ray, and beside a hole or the end of a
+                // clip the gradient jumps.
+                let aside = [-DEPTH, DEPTH].map(|steps| path.ray.at(distance + steps * self.stage.step));
+                let mut certain = true;
+                for world in aside {
+                    let beside = self.field.gradient(self.field.index(world), level.value);
+                    certain &= beside.normalize_or_zero().abs_diff_eq(gradient.normalize_or_zero(), NORMAL);
+                    let other = self.lit(base.map(f64::from), world, beside, to_eye);
+                    (0..3)
+                        .for_each(|channel| doubt[channel] = doubt[channel].max((other[channel] - lit[channel]).abs()));
+                }
                 if seen.depth == Some(f64::INFINITY) {
                     seen.depth = Some(distance);
-                    seen.normal = self.field.normal(p, level.value);
+                    seen.normal = self.field.normal_of(gradient).filter(|_| certain);
                 }
                 let share = (1.0 - seen.color[3]) * f64::from(level.opacity);
-                for (channel, light) in seen.color.iter_mut().zip([color[0], color[1], color[2], 1.0]) {
-                    *channel += share * light;
+                for channel in 0..3 {
+                    seen.color[channel] += share * lit[channel];
+                    seen.doubt[channel] += share * doubt[channel];
                 }
+                seen.color[3] += share;
                 if seen.color[3] >= f64::from(self.stage.quality.early_termination) {
                     return Some(seen);
                 }

@@ -5,6 +5,26 @@ use glam::DVec3;
 use super::Reference;
 
 impl Reference<'_> {
+    /// [`lit`](Self::lit), and how much of it rounding of the gradient decides.
+    pub fn lit_and_doubt(
+        &self,
+        base: [f64; 3],
+        world: DVec3,
+        value: f64,
+        gradient: DVec3,
+        to_eye: DVec3,
+    ) -> [[f64; 3]; 2] {
+        let lit = self.lit(base, world, gradient, to_eye);
+        let mut doubt = [0.0f64; 3];
+        if self.staged.material.is_some() {
+            for other in self.field.doubtful_gradients(self.field.index(world), value, gradient) {
+                let other = self.lit(base, world, other, to_eye);
+                (0..3).for_each(|channel| doubt[channel] = doubt[channel].max((other[channel] - lit[channel]).abs()));
+            }
+        }
+        [lit, doubt]
+    }
+
     /// A colour as it is lit at a point of the world where the field has this gradient; what it is
     /// without a material.
     pub fn lit(&self, base: [f64; 3], world: DVec3, gradient: DVec3, to_eye: DVec3) -> [f64; 3] {

@@ -20,6 +20,11 @@ use pellucid_scene::{Combine, Jitter, Mode, Slice, Stage, StageVolume, blue_nois
 pub use field::{Field, Reading};
 use path::Path;
 
+/// How closely a depth is compared, in steps.
+pub const DEPTH: f64 = 1e-3;
+/// How closely a coordinate of a normal is compared.
+pub const NORMAL: f64 = 1e-3;
+
 /// What a ray or a pixel sees.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
