@@ -280,8 +280,11 @@ fn entries_at_uneven_cosines_are_a_phase_function() {
     let refused =
         |entries: Vec<(f64, [f32; 3])>| table.clone().fill(&PhaseEntries::At(entries)).unwrap_err().to_string();
     let one = [1.0; 3];
-    assert!(refused(vec![(1.0, one), (0.0, one)]).contains("mie.csv: its cosines go from 1 to 0"));
-    assert!(refused(vec![(1.0, one), (0.0, one), (0.0, one), (-1.0, one)]).contains("two entries of cosine 0"));
+    assert!(
+        refused(vec![(1.0, one), (0.0, one)])
+            .contains("mie.csv: its cosines do not go from end to end: expected from 1 to -1")
+    );
+    assert!(refused(vec![(1.0, one), (0.0, one), (0.0, one), (-1.0, one)]).contains("two entries of the same angle"));
     assert!(refused(vec![(1.0, one)]).contains("2 to 65,536"));
     assert!(refused(vec![(1.0, [0.0; 3]), (-1.0, [0.0; 3])]).contains("more than 0"));
     assert!(refused(vec![(1.0, [f32::NAN; 3]), (-1.0, one)]).contains("phase table value"));
