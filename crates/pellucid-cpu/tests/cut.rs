@@ -7,8 +7,8 @@ use std::sync::Arc;
 use common::{render, transfer_function};
 use glam::DVec3;
 use pellucid_field::{Grid, Volume};
-use pellucid_optics::{Light, LightKind};
-use pellucid_scene::{Classification, Clip, Crop, Orbit, Projection, Scene, Source, Stage, View};
+use pellucid_optics::{Light, LightKind, NumberPoint, SurfaceShare};
+use pellucid_scene::{Classification, Clip, Crop, HalfAngle, Orbit, Projection, Scene, Source, Stage, Technique, View};
 
 /// Solid integer matter of 200 with noise of one level.
 fn solid() -> Volume {
@@ -41,8 +41,13 @@ fn stage(edit: impl FnOnce(&mut Scene)) -> Stage {
 
 /// The diffuse light of the whole face is that of its plane.
 fn check(what: &str, stage: &Stage, outwards: DVec3, tolerance: f32) {
+    check_share(what, stage, outwards, 1.0, tolerance);
+}
+
+/// The same of a share of the light.
+fn check_share(what: &str, stage: &Stage, outwards: DVec3, share: f32, tolerance: f32) {
     let frame = render(stage);
-    let expected = (-outwards).dot(DVec3::Y).max(0.0) as f32;
+    let expected = share * (-outwards).dot(DVec3::Y).max(0.0) as f32;
     for color in &frame.color {
         assert!(color[3] > 0.99, "{what}: {color:?}");
         let light = color[1] / color[3];
@@ -82,4 +87,21 @@ fn a_cut_does_not_depend_on_the_step() {
     };
     let [coarse, fine] = [0.5, 0.125].map(cut);
     assert!((coarse - fine).abs() < 0.04 * fine, "{coarse} and {fine}");
+}
+
+/// In half-angle light from behind the eye, what is `t` optical depths deep is seen and lit through the same matter, so
+/// that half of a plane's light comes back, whatever its tilt: the integral of `exp(-2 t)`.
+#[test]
+fn half_angle_light_falls_on_a_cut_as_on_a_solid() {
+    let tilted = DVec3::new(0.3, -0.9, 0.3).normalize();
+    for outwards in [tilted, -DVec3::Y] {
+        let clipped = stage(|scene| {
+            let direct = HalfAngle { indirect: 0.0, ..HalfAngle::default() };
+            scene.technique = Technique::HalfAngle(direct);
+            scene.volumes[0].scattering.surface = SurfaceShare::Values(vec![NumberPoint::new(0.0, 1.0)]);
+            scene.quality.step = 0.05;
+            scene.clips = vec![Clip::Plane { point: [15.5; 3], normal: (-outwards).to_array() }];
+        });
+        check_share("a clip", &clipped, outwards, 0.5, 0.03);
+    }
 }

@@ -88,6 +88,45 @@ fn jumps_are_where_they_are_and_ends_of_rays_have_their_own_length() {
     }
 }
 
+/// Catmull and Rom's spline beside a step from 0 to 1 is `1 + t/2 - t^2 + t^3/2`, at most 29/27 (a third of a voxel past
+/// it); transfer functions show what is beyond 0 and 1, where no voxel is.
+#[test]
+fn values_beyond_those_of_voxels_are_classified_as_what_they_are() {
+    let mut gpu = gpu(&Ceiling::default());
+    let volume = along([9, 40, 9], 0.0, |y| if y < 20 { 0.0 } else { 1.0 });
+    let above = "opacities = [[1.0, 0], [1.1, 1]]\n";
+    let below = "opacities = [[-0.1, 1], [0.0, 0]]\n";
+    let optics = |opacities: &str| {
+        format!("[volumes.transfer_function]\ncolors = [[0, \"#ffffff\"]]\nunit_distance = 1.0\n{opacities}")
+    };
+    let filter = |text: &str| format!("filter = {{ {text} }}\n");
+    let catmull_rom = filter("bc = { b = 0, c = 0.5 }");
+    for (opacities, mode) in [(above, "maximum"), (below, "minimum")] {
+        let document =
+            format!("{}[technique.ray_cast]\nmode = \"{mode}\"\n[quality]\n{catmull_rom}", optics(opacities));
+        let alpha = draw(&mut gpu, &along_y(&volume, &document)).color[27][3];
+        assert!((alpha - 20.0 / 27.0).abs() < 1e-3, "{mode}: {alpha}");
+    }
+    let (spline, lanczos) =
+        (filter("b_spline = { prefilter = true }"), filter("sinc = { window = \"lanczos\", half_width = 3 }"));
+    for (filter, classification) in
+        [(&catmull_rom, "post"), (&catmull_rom, "pre_integrated"), (&spline, "post"), (&lanczos, "post")]
+    {
+        for opacities in [above, below] {
+            let document = format!("{}{}\n{filter}", optics(opacities), quality(classification, 0.2));
+            let stage = along_y(&volume, &document);
+            let found = draw(&mut gpu, &stage);
+            let expected = CpuRenderer::new().render(&stage, &Control::default()).unwrap();
+            assert!(
+                found.color[27][3] > 0.02,
+                "{filter}{opacities}{classification}: nothing beyond the voxels is seen"
+            );
+            let apart = difference(&found, &expected);
+            assert!(apart <= LEVEL, "{filter}{opacities}{classification}: {:.2} levels apart", apart / LEVEL);
+        }
+    }
+}
+
 /// Everything that looks values up, with nodes at control points: the CPU's pictures.
 #[test]
 fn uneven_nodes_look_as_on_the_processor() {
