@@ -184,6 +184,26 @@ fn plain_native_files_are_mapped_by_leave() {
     }
 }
 
+/// Millimetres do not make a patient: a machine part stays one.
+#[test]
+fn nrrd_states_a_patients_axes_only_of_a_patient() {
+    let folder = tempfile::tempdir().unwrap();
+    let grid = dyadic([5, 4, 3]);
+    for is_anatomical in [false, true] {
+        let mut volume = Volume::new(grid, extremes(VoxelType::U8, grid.len())).unwrap();
+        (volume.length_unit, volume.is_anatomical) = (Some("mm".to_owned()), is_anatomical);
+        for name in ["v.nrrd", "v.nhdr"] {
+            let path = folder.path().join(name);
+            write(&path, &volume, &options(None)).unwrap();
+            let found = read(&path, &ReadOptions::default()).unwrap().volume;
+            assert_eq!(found.is_anatomical, is_anatomical, "{name}");
+            assert_eq!(found.length_unit.as_deref(), Some("mm"), "{name}");
+            let header = String::from_utf8_lossy(&std::fs::read(&path).unwrap()).into_owned();
+            assert_eq!(header.contains("left-posterior-superior"), is_anatomical, "{header}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 

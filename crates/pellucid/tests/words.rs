@@ -353,4 +353,9 @@ fn spacings_and_dims_take_both_marks() {
     let (a, b) = (scene("8x8x4", "1x1x2.5"), scene("8,8,4", "1,1,2.5"));
     assert_eq!(a, b);
     assert_eq!(a["volumes"][0]["spacing"], serde_json::json!([1.0, 1.0, 2.5]));
+
+    let stack = ["stack.raw", "--dims", "8x8x4", "--type", "u16", "--spacing", "1x1x2.5", "--size", "8x8"];
+    let drawn = run_in(folder.path(), &[&["render", "-o", "a.png"][..], &stack].concat());
+    let words = text(&drawn.stderr);
+    assert!(words.contains("stack: 8x8x4 u16, spacing 1 x 1 x 2.5 world units"), "{words}");
 }

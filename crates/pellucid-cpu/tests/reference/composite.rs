@@ -148,7 +148,7 @@ impl Reference<'_> {
     /// A length along which the value runs straight: from the table, if this reference has one,
     /// or in thin slices.
     fn integral(&self, front: f64, back: f64, length: f64) -> [f64; 4] {
-        const SLICES: usize = 48;
+        const SLICES: usize = 128;
         if let Some(table) = &self.table {
             return table.over_length(front as f32, back as f32, (length / self.stage.step) as f32).map(f64::from);
         }

@@ -160,15 +160,15 @@ impl<'a> Field<'a> {
     pub fn doubtful_gradients(&self, p: DVec3, center: f64, gradient: DVec3) -> Vec<DVec3> {
         /// Voxels.
         const ASIDE: f64 = 1e-5;
-        /// What single precision makes of differences of values, in ranges of values.
-        const ROUNDING: f64 = 2e-6;
+        /// What single precision makes of differences of two values and of sums of hundreds, in ranges of values.
+        const ROUNDING: [f64; 2] = [2e-6, 6e-6];
         let corners =
             (0..8).map(|bits| DVec3::from_array([0, 1, 2].map(|axis| f64::from(bits >> axis & 1) * 2.0 - 1.0)));
         let world_from_index_gradient = self.grid().index_from_world().matrix3.transpose();
-        let rounding = ROUNDING * self.range * world_from_index_gradient;
+        let is_wide = self.filter != Filter::Linear || self.gradient != Gradient::Central;
+        let rounding = ROUNDING[usize::from(is_wide)] * self.range * world_from_index_gradient;
         let rounded = corners.clone().map(|corner| gradient + rounding * corner);
         let index_gradient = self.grid().world_from_index().matrix3.transpose() * gradient;
-        let is_wide = self.filter != Filter::Linear || self.gradient != Gradient::Central;
         if !is_wide || index_gradient.length() > 1e-6 * self.range {
             return rounded.collect();
         }

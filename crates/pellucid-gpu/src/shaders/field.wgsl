@@ -83,6 +83,17 @@ fn stored_voxel(voxel: vec3<i32>) -> f32 {
 #endif
 }
 
+// Where an absent voxel is met, the nearest one's value stands for it; where that is absent there is no
+// value. Holes neither grow nor leak (`sampler.rs` of `pellucid-field`).
+fn voxel_or(voxel: vec3<i32>, nearest: f32) -> f32 {
+    let stored = stored_voxel(voxel);
+#ifdef HOLES
+    return select(nearest, stored, is_present(stored));
+#else
+    return stored;
+#endif
+}
+
 #ifdef HARDWARE
 // The data value at a position, interpolated by the sampler.
 fn still_value(p: vec3<f32>) -> f32 {
@@ -110,17 +121,6 @@ fn still_value(p: vec3<f32>) -> f32 {
 #endif
 }
 #else
-// Where an absent voxel is met, the nearest one's value stands for it; where that is absent there is no
-// value. Holes neither grow nor leak (`sampler.rs` of `pellucid-field`).
-fn voxel_or(voxel: vec3<i32>, nearest: f32) -> f32 {
-    let stored = stored_voxel(voxel);
-#ifdef HOLES
-    return select(nearest, stored, is_present(stored));
-#else
-    return stored;
-#endif
-}
-
 fn nearest_voxel(q: vec3<f32>) -> f32 {
     return stored_voxel(min(vec3<i32>(floor(q + 0.5)), last_voxel()));
 }

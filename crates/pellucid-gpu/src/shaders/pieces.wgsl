@@ -4,7 +4,7 @@
 
 #import pellucid::frame::frame
 #import pellucid::ray::{Ray, ray_at, ray_length}
-#import pellucid::field::{ABSENT, cell_of, data_value, field_value, inside_grid, is_present, last_voxel, stored_voxel}
+#import pellucid::field::{ABSENT, cell_of, data_value, field_value, inside_grid, is_present, last_voxel, stored_voxel, voxel_or}
 #ifdef KERNELS
 #import pellucid::kernel::kernels
 #endif
@@ -122,15 +122,6 @@ fn larger(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
     return select(a, b, b.x > a.x);
 }
 
-fn corner(voxel: vec3<i32>, nearest: f32) -> f32 {
-    let stored = stored_voxel(voxel);
-#ifdef HOLES
-    return select(nearest, stored, is_present(stored));
-#else
-    return stored;
-#endif
-}
-
 // Along a ray the interpolation in a cell is a cubic, whose largest value is known; none is more than the largest
 // voxel.
 fn highest_between_voxels(start: vec3<f32>, end: vec3<f32>, sign: f32, above: f32) -> vec2<f32> {
@@ -145,16 +136,16 @@ fn highest_between_voxels(start: vec3<f32>, end: vec3<f32>, sign: f32, above: f3
     }
 #endif
     var low = vec4<f32>(
-        corner(a, nearest),
-        corner(vec3<i32>(a.x, b.y, a.z), nearest),
-        corner(vec3<i32>(a.x, a.y, b.z), nearest),
-        corner(vec3<i32>(a.x, b.y, b.z), nearest),
+        voxel_or(a, nearest),
+        voxel_or(vec3<i32>(a.x, b.y, a.z), nearest),
+        voxel_or(vec3<i32>(a.x, a.y, b.z), nearest),
+        voxel_or(vec3<i32>(a.x, b.y, b.z), nearest),
     );
     var high = vec4<f32>(
-        corner(vec3<i32>(b.x, a.y, a.z), nearest),
-        corner(vec3<i32>(b.x, b.y, a.z), nearest),
-        corner(vec3<i32>(b.x, a.y, b.z), nearest),
-        corner(b, nearest),
+        voxel_or(vec3<i32>(b.x, a.y, a.z), nearest),
+        voxel_or(vec3<i32>(b.x, b.y, a.z), nearest),
+        voxel_or(vec3<i32>(b.x, a.y, b.z), nearest),
+        voxel_or(b, nearest),
     );
     if sign * frame.values.x < 0.0 {
         low = -low;

@@ -28,9 +28,9 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
     let mut field = |name: &str, value: &str| header.extend([name, ": ", value, "\n"]);
     let is_wide = wide_base(volume).is_some();
     field("type", if is_wide { "int64" } else { type_name(voxel_type) });
-    match volume.length_unit.as_deref() {
-        Some("mm") => field("space", "left-posterior-superior"),
-        _ => field("space dimension", "3"),
+    match volume.is_anatomical {
+        true => field("space", "left-posterior-superior"),
+        false => field("space dimension", "3"),
     }
     if let Some(unit) = &volume.length_unit {
         let unit = one_line(unit);

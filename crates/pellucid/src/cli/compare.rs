@@ -148,7 +148,7 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     warnings.extend(idle);
     warnings.extend(of_settings);
-    report.opening(&volumes, &choices, &warnings);
+    report.opening(&scene, &volumes, &choices, &warnings);
     let mut drawn: Vec<Drawn> = Vec::new();
     for rendition in args.renditions() {
         let plan = Plan {

@@ -110,7 +110,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     warnings.extend(idle);
     warnings.extend(of_settings);
-    report.opening(&volumes, &choices, &warnings);
+    report.opening(&scene, &volumes, &choices, &warnings);
     if let Some(path) = &args.output.save_scene {
         let leaves = save_scene(path, &scene.settled(&volumes)?, &base)?;
         let how = if leaves { ", which names files outside of its folder: draw it with --allow-outside" } else { "" };

@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Write};
 use std::sync::Arc;
 
 use pellucid::field::{Short, Volume, printable};
-use pellucid::scene::Choice;
+use pellucid::scene::{Choice, Scene, VolumeEntry};
 
 use super::failure::Failure;
 
@@ -32,17 +32,17 @@ impl Report {
     }
 
     /// What is about to be drawn: the volumes, what was chosen for them, what was lost.
-    pub fn opening(&self, volumes: &[Arc<Volume>], choices: &[Choice], warnings: &[String]) {
-        volumes.iter().for_each(|volume| self.say(describe(volume)));
+    pub fn opening(&self, scene: &Scene, volumes: &[Arc<Volume>], choices: &[Choice], warnings: &[String]) {
+        scene.volumes.iter().zip(volumes).for_each(|(entry, volume)| self.say(describe(entry, volume)));
         choices.iter().for_each(|choice| self.say(choice));
         warnings.iter().for_each(|warning| self.warn(warning));
     }
 }
 
-fn describe(volume: &Volume) -> String {
-    let grid = volume.grid();
-    let [x, y, z] = grid.dims();
-    let [sx, sy, sz] = grid.spacing().map(Short);
+/// A volume as it is drawn: with the spacing that the scene states.
+fn describe(entry: &VolumeEntry, volume: &Volume) -> String {
+    let [x, y, z] = volume.grid().dims();
+    let [sx, sy, sz] = entry.spacing.unwrap_or(volume.grid().spacing()).map(Short);
     let unit = volume.length_unit.as_deref().unwrap_or("world units");
     let voxel_type = volume.voxels().voxel_type();
     format!("{}: {x}x{y}x{z} {voxel_type}, spacing {sx} x {sy} x {sz} {unit}", volume.name)

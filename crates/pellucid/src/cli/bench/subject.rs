@@ -60,7 +60,7 @@ impl Subject {
         let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
         warnings.extend(idle);
         warnings.extend(of_settings);
-        report.opening(&volumes, &choices, &warnings);
+        report.opening(&scene, &volumes, &choices, &warnings);
         let drawing = Instant::now();
         let mut meter = Meter::new(Plan { engine: plan.engine.suited_to(&scene.technique), ..plan })?;
         let mut frame = Frame::default();
