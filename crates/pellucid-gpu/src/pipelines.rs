@@ -69,7 +69,7 @@ fn make(device: &Device, variant: &Variant) -> Result<Pipeline, GpuError> {
 /// # Errors
 /// [`GpuError::Shader`].
 pub fn module(device: &Device, variant: &Variant) -> Result<ShaderModule, GpuError> {
-    let source = ShaderSource::Naga(Cow::Owned(variant.link(device.constants())?));
+    let source = ShaderSource::Naga(Cow::Owned(device.link(variant)?));
     let label = format!("{:?}", variant.pass);
     Ok(device.device.create_shader_module(ShaderModuleDescriptor { label: Some(&label), source }))
 }

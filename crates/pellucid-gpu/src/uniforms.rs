@@ -285,7 +285,7 @@ mod tests {
     use crate::half_angle::Sweep;
     use crate::noise::{Noise, Term};
     use crate::path_trace::{Extent, Paths};
-    use crate::shaders::{self, Constants, Traversal, Variant};
+    use crate::shaders::{self, Constants, Linker, Traversal, Variant};
     use crate::slicing::SliceBox;
     use std::mem::offset_of;
     use wgpu::naga::{Module, TypeInner};
@@ -303,6 +303,10 @@ mod tests {
         (members.iter().map(member).collect(), *span as usize)
     }
 
+    fn linked(variant: Variant) -> Module {
+        Linker::default().link(&variant, Constants::Uniform).unwrap()
+    }
+
     macro_rules! fields {
         ($ty:ident: $($field:ident)*) => {
             (vec![$((stringify!($field).to_owned(), offset_of!($ty, $field))),*], size_of::<$ty>())
@@ -311,9 +315,8 @@ mod tests {
 
     #[test]
     fn structures_are_those_of_the_shaders() {
-        let shaded =
-            Variant { shaded: true, ..Variant::of(shaders::Pass::Isosurface) }.link(Constants::Uniform).unwrap();
-        let resolve = Variant::of(shaders::Pass::Resolve).link(Constants::Uniform).unwrap();
+        let shaded = linked(Variant { shaded: true, ..Variant::of(shaders::Pass::Isosurface) });
+        let resolve = linked(Variant::of(shaders::Pass::Resolve));
         let frame = fields!(Frame: origin_middle origin_right origin_up direction_middle direction_right direction_up
             world_middle world_right world_up low high gradient_x gradient_y gradient_z world_x world_y world_z
             picture values material limits plane plane_normal shadows chroma table size dims blocks counts noise);
@@ -321,24 +324,22 @@ mod tests {
         assert_eq!(layout(&shaded, "Pass"), fields!(Pass: rows texture_low core_low core_high));
         assert_eq!(layout(&shaded, "Light"), fields!(Light: place radiance axis cone));
         assert_eq!(layout(&shaded, "Level"), fields!(Level: color value));
-        let sliced = Variant { traversal: Traversal::Slices, ..Variant::of(shaders::Pass::Composite) }
-            .link(Constants::Uniform)
-            .unwrap();
+        let sliced = linked(Variant { traversal: Traversal::Slices, ..Variant::of(shaders::Pass::Composite) });
         let pixels = Variant { traversal: Traversal::SlicePixels, ..Variant::of(shaders::Pass::Average) };
         let slices = fields!(Slices: plane strides clip_x clip_y clip_w margin eye counts);
         assert_eq!(layout(&sliced, "Slices"), slices);
         assert_eq!(layout(&sliced, "Box"), fields!(SliceBox: low high));
-        assert_eq!(layout(&pixels.link(Constants::Uniform).unwrap(), "Pixel"), fields!(Pixel: color surface counts));
+        assert_eq!(layout(&linked(pixels), "Pixel"), fields!(Pixel: color surface counts));
         let sweep = fields!(Sweep: slabs texel_x texel_y depth origin_middle origin_right origin_up direction_middle
             direction_right direction_up plane ways blur scales cone taps size counts light);
-        let eye = Variant::of(shaders::Pass::HalfAngleEye).canonical().link(Constants::Uniform).unwrap();
+        let eye = linked(Variant::of(shaders::Pass::HalfAngleEye).canonical());
         assert_eq!(layout(&eye, "Sweep"), sweep);
         let paths = fields!(Paths: counts more numbers top bottom picture picture_size surface chroma index_x index_y index_z lens_right lens_up);
-        let trace = Variant::of(shaders::Pass::PathTrace).canonical().link(Constants::Uniform).unwrap();
+        let trace = linked(Variant::of(shaders::Pass::PathTrace).canonical());
         assert_eq!(layout(&trace, "Paths"), paths);
         assert_eq!(layout(&trace, "Extent"), fields!(Extent: kind first second normal));
         let noisy = Variant { perturbed: true, ..Variant::of(shaders::Pass::Composite) };
-        let noisy = noisy.link(Constants::Uniform).unwrap();
+        let noisy = linked(noisy);
         assert_eq!(layout(&noisy, "Noise"), fields!(Noise: amplitude reach spacing between weights counts terms));
         assert_eq!(layout(&noisy, "Term"), fields!(Term: scale start));
         assert_eq!(layout(&resolve, "Pixel"), fields!(Pixel: color surface counts));

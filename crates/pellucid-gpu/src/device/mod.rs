@@ -5,6 +5,7 @@ mod capabilities;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use wgpu::naga::Module;
 use wgpu::{
     Buffer, BufferDescriptor, BufferUsages, COPY_BUFFER_ALIGNMENT, DeviceDescriptor, DeviceLostReason,
     ExperimentalFeatures, MemoryHints, PollType, SubmissionIndex, Trace,
@@ -14,7 +15,7 @@ pub use adapter::{AdapterChoice, AdapterSummary, adapters};
 pub use capabilities::Capabilities;
 
 use crate::GpuError;
-use crate::shaders::Constants;
+use crate::shaders::{Constants, Linker, Variant};
 
 /// An open device. Errors that the driver reports late are kept and come out of [`Device::check`].
 pub struct Device {
@@ -27,6 +28,7 @@ pub struct Device {
     /// What it can do.
     pub capabilities: Capabilities,
     trouble: Arc<Mutex<Option<GpuError>>>,
+    linker: Mutex<Linker>,
 }
 
 impl Device {
@@ -58,7 +60,7 @@ impl Device {
                 note(&place, GpuError::Lost { reason: message });
             }
         });
-        Ok(Self { device, queue, adapter: summary, capabilities, trouble })
+        Ok(Self { device, queue, adapter: summary, capabilities, trouble, linker: Mutex::default() })
     }
 
     /// Waits for everything submitted so far.
@@ -84,6 +86,16 @@ impl Device {
     /// Where its shaders find what is the same for all of their invocations.
     pub(crate) fn constants(&self) -> Constants {
         if self.adapter.is_software() { Constants::Stored } else { Constants::Uniform }
+    }
+
+    /// The shader of a variant.
+    ///
+    /// # Errors
+    /// As [`Linker::link`].
+    pub(crate) fn link(&self, variant: &Variant) -> Result<Module, GpuError> {
+        // What a panic left half made is not used: a linker takes what it has whole, or makes it again.
+        let mut linker = self.linker.lock().unwrap_or_else(PoisonError::into_inner);
+        linker.link(variant, self.constants())
     }
 
     /// A buffer of constants.

@@ -5,15 +5,12 @@
 
 use std::collections::HashMap;
 
-use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
+use naga_oil::compose::ShaderDefValue;
 
-use wgpu::naga;
-
-use crate::GpuError;
-
+mod linker;
 mod pass;
 
-use pass::SHARED;
+pub use linker::Linker;
 pub use pass::{Pass, Traversal};
 
 /// Where shaders find what is the same for all of their invocations.
@@ -258,43 +255,5 @@ impl Variant {
         ];
         let defined = |(name, on): (&str, bool)| on.then(|| (name.to_owned(), ShaderDefValue::Bool(true)));
         names.into_iter().filter_map(defined).collect()
-    }
-
-    /// Links the shader and checks it.
-    ///
-    /// # Errors
-    /// [`GpuError::Shader`] with the compiler's message; a test links every variant.
-    pub fn link(&self, constants: Constants) -> Result<naga::Module, GpuError> {
-        let mut defines = self.defines();
-        if constants == Constants::Stored {
-            defines.insert("STORED_CONSTANTS".to_owned(), ShaderDefValue::Bool(true));
-            if self.pass.sweeps() {
-                defines.insert("LOADED_CONSTANTS".to_owned(), ShaderDefValue::Bool(true));
-            }
-        }
-        let (entry, mode) = self.pass.sources(self.traversal);
-        let mut composer = Composer::default();
-        for source in SHARED.iter().chain(&mode) {
-            let module = ComposableModuleDescriptor {
-                source: source.text,
-                file_path: source.name,
-                shader_defs: defines.clone(),
-                ..Default::default()
-            };
-            let added = composer.add_composable_module(module).map(drop);
-            added.map_err(|error| self.failed(error.emit_to_string(&composer)))?;
-        }
-        let module = NagaModuleDescriptor {
-            source: entry.text,
-            file_path: entry.name,
-            shader_defs: defines,
-            ..Default::default()
-        };
-        let made = composer.make_naga_module(module);
-        made.map_err(|error| self.failed(error.emit_to_string(&composer)))
-    }
-
-    fn failed(&self, message: String) -> GpuError {
-        GpuError::Shader { variant: format!("{self:?}"), message }
     }
 }
