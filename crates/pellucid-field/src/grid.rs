@@ -55,19 +55,23 @@ impl Grid {
         Ok(grid)
     }
 
-    /// Single precision ends at 1e38, and gradients are values over spacings.
+    /// Single precision ends at 1e38, gradients are values over spacings, and double precision has 16 digits.
     fn check_extent(&self) -> Result<(), FieldError> {
         const SPACINGS: [f64; 2] = [1e-30, 1e30];
         const FURTHEST: f64 = 1e35;
+        /// How far apart voxels have to be for their distance from the origin, or eyes and rays are rounded to visible
+        /// parts of voxels.
+        const PRECISION: f64 = 1e-12;
         let refuse = |what, found, [least, most]: [f64; 2]| match (least..=most).contains(&found) {
             true => Ok(()),
             false => Err(FieldError::Extent { what, found, least, most }),
         };
-        for spacing in self.spacing() {
-            refuse("the distance between two voxels", spacing, SPACINGS)?;
-        }
         let (low, high) = self.world_bounds();
         let furthest = low.abs().max(high.abs()).max_element();
+        for spacing in self.spacing() {
+            let [least, most] = SPACINGS;
+            refuse("the distance between two voxels", spacing, [least.max(PRECISION * furthest), most])?;
+        }
         refuse("the distance of the furthest voxel from the origin", furthest, [0.0, FURTHEST])
     }
 

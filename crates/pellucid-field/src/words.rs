@@ -16,6 +16,24 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Short(pub f64);
 
+impl Short {
+    /// Both ends of a range, with all digits where fewer would not tell how wide it is.
+    ///
+    /// ```
+    /// use pellucid_field::Short;
+    ///
+    /// assert_eq!(Short::ends(0.0, 1.0 / 3.0), ["0", "0.333333"]);
+    /// assert_eq!(Short::ends(1e9 + 0.25, 1e9 + 0.75), ["1000000000.25", "1000000000.75"]);
+    /// ```
+    pub fn ends(low: f64, high: f64) -> [String; 2] {
+        let short = [low, high].map(|end| Self(end).to_string());
+        let told = short.each_ref().map(|text| text.parse().unwrap_or(f64::NAN));
+        let error = ((told[1] - told[0]) - (high - low)).abs();
+        let shows = |v: f64| if v.abs() < 1e17 { v.to_string() } else { format!("{v:e}") };
+        if error > 0.01 * (high - low).abs() { [low, high].map(shows) } else { short }
+    }
+}
+
 impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         /// Longer numbers are rounded: nobody compares them digit by digit.
@@ -28,9 +46,10 @@ impl fmt::Display for Short {
         let plainly = |v: f64, largest: f64| {
             if (1e-3..largest).contains(&v.abs()) { v.to_string() } else { format!("{v:e}") }
         };
-        // Below 1e15 whole numbers are counts, labels, sums: all their digits mean something.
-        let exact = plainly(v, 1e15);
-        if exact.len() <= READABLE || (v.fract() == 0.0 && v.abs() < 1e15) {
+        // So far whole numbers are counts, labels, sums: all their digits mean something.
+        const WHOLE: f64 = (1u64 << 53) as f64;
+        let exact = plainly(v, WHOLE);
+        if exact.len() <= READABLE || (v.fract() == 0.0 && v.abs() < WHOLE) {
             return f.pad(&exact);
         }
         let rounded = format!("{v:.5e}").parse().unwrap_or(v);

@@ -23,13 +23,32 @@ pub(crate) fn written_type(volume: &Volume, warnings: &mut Vec<Warning>) -> Voxe
     to
 }
 
-/// What is added to every value of a volume of 32-bit integers on its way into a file of 64-bit ones: there the
-/// values are what they are, whatever a format knows of scales and offsets.
-pub(crate) fn wide_base(volume: &Volume) -> Option<i64> {
-    let (kind, map) = (volume.voxels().voxel_type(), volume.value_map());
-    let is_wide = matches!(kind, VoxelType::U32 | VoxelType::I32) && map.scale == 1.0 && map.offset != 0.0;
-    // Sums of such numbers fit.
-    (is_wide && map.offset.fract() == 0.0 && map.offset.abs() <= 9.0e18).then_some(map.offset as i64)
+/// What is added to every value of a volume of 32 bits on its way into a file of 64-bit ones: there the values are what
+/// they are, whatever a format knows of scales and offsets.
+#[derive(Clone, Copy)]
+pub(crate) enum Wide {
+    /// To integers.
+    Integers(i64),
+    /// To singles that are far from 0 for what they differ by.
+    Doubles(f64),
+}
+
+impl Wide {
+    /// What is added to the values of a volume, if they would be others without it.
+    pub fn of(volume: &Volume) -> Option<Self> {
+        let (map, range) = (volume.value_map(), volume.statistics());
+        if map.scale != 1.0 || map.offset == 0.0 {
+            return None;
+        }
+        match volume.voxels().voxel_type() {
+            // Sums of such numbers fit.
+            VoxelType::U32 | VoxelType::I32 if map.offset.fract() == 0.0 && map.offset.abs() <= 9.0e18 => {
+                Some(Self::Integers(map.offset as i64))
+            }
+            VoxelType::F32 if map.offset.abs() > 4.0 * (range.max - range.min) => Some(Self::Doubles(map.offset)),
+            _ => None,
+        }
+    }
 }
 
 /// How values are packed.
@@ -64,10 +83,25 @@ fn write_body(file: &mut AtomicFile, volume: &Volume, packing: Packing) -> io::R
 
 /// Values as they are in memory, or as 64-bit integers.
 pub(crate) fn write_interleaved(out: &mut impl Write, volume: &Volume) -> io::Result<()> {
-    match (volume.voxels(), wide_base(volume)) {
-        (Voxels::U32(data), Some(base)) => write_each(out, data.iter().map(|value| base + i64::from(*value))),
-        (Voxels::I32(data), Some(base)) => write_each(out, data.iter().map(|value| base + i64::from(*value))),
-        (voxels, _) => write_as_they_are(out, voxels),
+    match Wide::of(volume) {
+        Some(wide) => write_widened(out, volume.voxels(), wide, 0, 1),
+        None => write_as_they_are(out, volume.voxels()),
+    }
+}
+
+/// Every `stride`th value from the first on, in 64 bits.
+fn write_widened(out: &mut impl Write, voxels: &Voxels, wide: Wide, first: usize, stride: usize) -> io::Result<()> {
+    match (voxels, wide) {
+        (Voxels::U32(data), Wide::Integers(base)) => {
+            write_each(out, data[first..].iter().step_by(stride).map(|value| base + i64::from(*value)))
+        }
+        (Voxels::I32(data), Wide::Integers(base)) => {
+            write_each(out, data[first..].iter().step_by(stride).map(|value| base + i64::from(*value)))
+        }
+        (Voxels::F32(data), Wide::Doubles(base)) => {
+            write_each(out, data[first..].iter().step_by(stride).map(|value| base + f64::from(*value)))
+        }
+        _ => unreachable!("values of other types are not widened"),
     }
 }
 
@@ -82,14 +116,11 @@ fn write_as_they_are(out: &mut impl Write, voxels: &Voxels) -> io::Result<()> {
 pub(crate) fn write_planar(out: &mut impl Write, volume: &Volume) -> io::Result<()> {
     let components = volume.components();
     for component in 0..components {
-        let wide = |value: i64| value + wide_base(volume).unwrap_or_default();
+        if let Some(wide) = Wide::of(volume) {
+            write_widened(out, volume.voxels(), wide, component, components)?;
+            continue;
+        }
         match volume.voxels() {
-            Voxels::U32(data) if wide_base(volume).is_some() => {
-                write_each(out, data[component..].iter().step_by(components).map(|value| wide(i64::from(*value))))?;
-            }
-            Voxels::I32(data) if wide_base(volume).is_some() => {
-                write_each(out, data[component..].iter().step_by(components).map(|value| wide(i64::from(*value))))?;
-            }
             Voxels::F16(data) => {
                 write_each(out, data[component..].iter().step_by(components).map(|value| value.to_f32()))?;
             }

@@ -1,5 +1,7 @@
 //! From stored bytes to voxels: mapping, byte order, narrowing of 64-bit types, planar components.
 
+use std::cell::Cell;
+
 use bytemuck::cast_slice_mut;
 use half::f16;
 use pellucid_field::{Voxel, VoxelType, Voxels, Warning, memory};
@@ -28,7 +30,7 @@ pub(crate) fn voxels(
         StoredType::Voxel(VoxelType::I32) => kept::<i32>(payload, options, warnings),
         StoredType::Voxel(VoxelType::F16) => kept::<f16>(payload, options, warnings),
         StoredType::Voxel(VoxelType::F32) => kept::<f32>(payload, options, warnings),
-        StoredType::F64 => single_precision(payload, options, warnings),
+        StoredType::F64 => return single_precision(payload, options, warnings),
         StoredType::I64 => {
             return narrowed_integers(payload, options, |bytes| i64::from_ne_bytes(bytes).into(), warnings);
         }
@@ -66,13 +68,39 @@ fn kept<T: Voxel>(payload: &Payload, options: &ReadOptions, warnings: &mut Vec<W
     Ok(interleaved(payload, values)?.into())
 }
 
-/// Doubles as singles.
-fn single_precision(payload: &Payload, options: &ReadOptions, warnings: &mut Vec<Warning>) -> Result<Voxels, IoError> {
-    narrowed(payload, options, warnings, |bytes| {
-        let value = f64::from_ne_bytes(bytes);
-        let kept = value as f32;
-        (kept, if value.is_finite() { (value - f64::from(kept)).abs() } else { 0.0 })
-    })
+/// Doubles as singles; where these would lose what the values differ by, counted from the smallest of them.
+fn single_precision(
+    payload: &Payload,
+    options: &ReadOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Voxels, f64), IoError> {
+    /// The largest error that is left, as a share of the range: that of singles that fill it.
+    const LOST: f64 = 1.0 / (1u32 << 22) as f64;
+    let (low, high, most) = (Cell::new(f64::INFINITY), Cell::new(f64::NEG_INFINITY), Cell::new(0f64));
+    let from = |base: f64| {
+        let (low, high, most) = (&low, &high, &most);
+        move |bytes: [u8; 8]| {
+            let value = f64::from_ne_bytes(bytes);
+            let kept = (value - base) as f32;
+            if !value.is_finite() {
+                return (kept, 0.0);
+            }
+            let error = (value - (base + f64::from(kept))).abs();
+            low.set(low.get().min(value));
+            high.set(high.get().max(value));
+            most.set(most.get().max(error));
+            (kept, error)
+        }
+    };
+    let so_far = warnings.len();
+    let voxels = narrowed(payload, options, warnings, from(0.0))?;
+    let base = low.get();
+    if most.get() <= (high.get() - base) * LOST {
+        return Ok((voxels, 0.0));
+    }
+    drop(voxels);
+    warnings.truncate(so_far);
+    Ok((narrowed(payload, options, warnings, from(base))?, base))
 }
 
 /// 64-bit integers as the first of `i32`, `u32`, `u32` counted from their smallest, and `f32` that holds them all;

@@ -304,4 +304,14 @@ fn wide_types_are_narrowed_with_the_error_they_suffer() {
     let doubles = [0.1f64.to_be_bytes(), (-2.5f64).to_be_bytes()].concat();
     let error = f64::from(0.1f32) - 0.1;
     assert_eq!(read("double", doubles).warnings, converted("f64", VoxelType::F32, error));
+    // Doubles that are far from 0 for what they differ by count from the smallest.
+    for far in [[1e9 + 30.0, 1e9 + 100.0], [-1e15 + 100.125, -1e15 + 30.0], [2_451_545.000_25, 2_451_545.000_75]] {
+        let loaded = read("double", far.map(f64::to_be_bytes).concat());
+        let [Warning::Converted { largest_error, .. }] = loaded.warnings[..] else { panic!("{:?}", loaded.warnings) };
+        assert!(largest_error <= (far[1] - far[0]).abs() * 1e-6, "{far:?}: {largest_error}");
+        for (x, value) in far.into_iter().enumerate() {
+            let found = loaded.volume.value([x, 0, 0], 0);
+            assert!((found - value).abs() <= largest_error, "{value}: {found}");
+        }
+    }
 }

@@ -113,6 +113,28 @@ fn large_identifiers_survive_every_format() {
     }
 }
 
+/// What was read from doubles far from 0 is written as such.
+#[test]
+fn doubles_far_from_0_survive_every_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let map = ValueMap { scale: 1.0, offset: 1e9 + 0.25 };
+    for components in [1, 2] {
+        let differences = vec![0.0f32, 0.5, 70.0, 5.25, 6.0, 7.0];
+        let volume = Volume::with_components(dyadic([6 / components, 1, 1]), differences.clone(), components).unwrap();
+        let volume = volume.with_value_map(map).unwrap();
+        for name in NAMES {
+            let path = folder.path().join(name);
+            let warnings = write(&path, &volume, &options(None)).unwrap();
+            assert!(warnings.is_empty(), "{name}: {warnings:?}");
+            let found = read(&path, &ReadOptions::default()).unwrap().volume;
+            for (place, difference) in differences.iter().enumerate() {
+                let value = found.value([place / components, 0, 0], place % components);
+                assert_eq!(value, map.offset + f64::from(*difference), "{name}, {place}");
+            }
+        }
+    }
+}
+
 #[test]
 fn nifti_warns_of_what_single_precision_loses() {
     let folder = tempfile::tempdir().unwrap();

@@ -10,6 +10,7 @@ use pellucid_optics::{
 use serde_json::json;
 
 use crate::choice::Choice;
+use crate::origin::origin_of;
 use crate::population::{Backdrop, Population};
 use crate::{Camera, Mode, Projection, Technique, View, Viewpoint, VolumeEntry};
 
@@ -63,9 +64,10 @@ pub fn look(
         (own, None) => own.is_none(),
     };
     if needs_window && entry.window.is_none() {
-        let (window, reason) = window_of(population(), backdrop(), mode, entry.preset.as_deref());
+        let (window, reason) = window_of(population(), backdrop(), mode, entry.preset.as_deref(), origin_of(volume));
         let unit = volume.value_unit.as_deref().map_or(String::new(), |unit| format!(" {unit}"));
-        let chosen = format!("{} to {}{unit} ({reason})", Short(window[0]), Short(window[1]));
+        let [low, high] = Short::ends(window[0], window[1]);
+        let chosen = format!("{low} to {high}{unit} ({reason})");
         choices.push(Choice::new("window", window.to_vec(), chosen));
         entry.window = Some(window);
     }
@@ -205,7 +207,8 @@ fn preset_for(
     let (Some(least), Some(most)) = (population.values().first(), population.values().last()) else {
         return ("density", "no value is there to choose by".to_owned());
     };
-    let values = format!("{voxel_type} values from {} to {}", Short(*least), Short(*most));
+    let [least, most] = Short::ends(*least, *most);
+    let values = format!("{voxel_type} values from {least} to {most}");
     match backdrop {
         Backdrop::Between(neutral) if window.is_none_or(|[low, high]| low < neutral && neutral < high) => {
             ("simulation", format!("{values}, to both sides of {}", Short(neutral)))
@@ -216,7 +219,13 @@ fn preset_for(
 }
 
 /// The values that matter: all but the background, if there is one, and but for outliers.
-fn window_of(population: &Population, backdrop: Backdrop, mode: &Mode, preset: Option<&str>) -> ([f64; 2], String) {
+fn window_of(
+    population: &Population,
+    backdrop: Backdrop,
+    mode: &Mode,
+    preset: Option<&str>,
+    origin: Option<f64>,
+) -> ([f64; 2], String) {
     let Some([low, high]) = population.ends() else {
         return ([-0.5, 0.5], "there is no value to choose by".to_owned());
     };
@@ -236,8 +245,9 @@ fn window_of(population: &Population, backdrop: Backdrop, mode: &Mode, preset: O
         ),
         _ => ([low, high], "all values but outliers".to_owned()),
     };
-    // Wide enough to differ in 32 bits.
-    let least = (low.abs().max(high.abs()) * 1e-6).max(f64::from(f32::MIN_POSITIVE));
+    // Wide enough to differ in 32 bits, where they may be differences.
+    let size = |value: f64| (value - origin.unwrap_or(0.0)).abs();
+    let least = (size(low).max(size(high)) * 1e-6).max(f64::from(f32::MIN_POSITIVE));
     if high - low > least {
         return ([low, high], why);
     }

@@ -3,7 +3,7 @@
 use pellucid_field::nearest;
 
 /// Words of other programs and of papers, and ours.
-const SYNONYMS: [(&str, &str); 26] = [
+const SYNONYMS: [(&str, &str); 31] = [
     ("mip", "maximum"),
     ("max", "maximum"),
     ("minip", "minimum"),
@@ -30,6 +30,11 @@ const SYNONYMS: [(&str, &str); 26] = [
     ("slicing", "view-aligned"),
     ("texture", "view-aligned"),
     ("paths", "path-trace"),
+    ("cubic", "catmull-rom"),
+    ("tricubic", "catmull-rom"),
+    ("spline", "b-spline"),
+    ("sinc", "lanczos"),
+    ("transverse", "axial"),
 ];
 
 /// The one of the known words that an unknown one most likely stands for: by another name, or misspelt.

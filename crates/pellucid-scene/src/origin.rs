@@ -1,5 +1,6 @@
-//! Integers far from 0: backends compute in single precision, which tells whole numbers apart up to 2^24. Labels
-//! and identifiers are often larger, but close to each other: what is drawn then counts from the smallest of them.
+//! Values far from 0: backends compute in single precision, which tells whole numbers apart up to 2^24. Labels and
+//! identifiers are often larger, but close to each other, and so are times and absolute positions: what is drawn then
+//! counts from the smallest of them.
 
 use std::sync::Arc;
 
@@ -8,16 +9,18 @@ use pellucid_field::{FieldError, ValueMap, Volume, Voxels};
 /// Up to here single precision has every whole number.
 const WHOLE: f64 = (1u32 << 24) as f64;
 
-/// The data value that values have to be counted from to be told apart, if they are integers that would not be as
-/// they are.
+/// The data value that values have to be counted from to be told apart, if they would not be as they are.
 pub fn origin_of(volume: &Volume) -> Option<f64> {
     let (range, map) = (volume.statistics(), volume.value_map());
-    let is_integer = volume.voxels().voxel_type().is_integer();
+    if !volume.voxels().voxel_type().is_integer() {
+        // Stored numbers are as fine as they are: only what is added to them may leave fewer than 16 bits of them.
+        return (map.offset.abs() > 256.0 * (range.max - range.min)).then_some(range.min);
+    }
     let levels = |value: f64| (value / map.scale).abs();
     let told_apart = levels(range.min).max(levels(range.max)) <= WHOLE;
     // Where most of the range is beyond, counting from elsewhere does not help.
     let helps = levels(range.max - range.min) <= WHOLE;
-    (is_integer && !told_apart && helps).then_some(range.min)
+    (!told_apart && helps).then_some(range.min)
 }
 
 /// How far apart integers of a volume have to be to be told apart, if that is more than one level.

@@ -206,8 +206,12 @@ impl Scene {
             .map_err(|error| ResolveError::Optics { path, error })?;
         let (origin, mut volume) = (origin_of(&volume), volume);
         if let Some(origin) = origin {
-            let chosen =
-                format!("drawn as differences to {origin}, as single precision tells integers apart up to 2^24");
+            let coarse = if volume.voxels().voxel_type().is_integer() {
+                "tells integers apart up to 2^24"
+            } else {
+                "is too coarse that far from 0"
+            };
+            let chosen = format!("drawn as differences to {origin}, as single precision {coarse}");
             choices.push(Choice::new("values", origin, chosen));
             volume = counted_from(&volume, origin)?;
         }

@@ -346,6 +346,13 @@ fn large_integers_count_from_the_smallest() {
                 .unwrap(),
             [-1e9 - 7.0, -1e9 - 5.0],
         ),
+        (
+            Volume::new(grid(), (0..16).map(|k| [0.5f32, 2.5][k % 2]).collect::<Vec<f32>>())
+                .unwrap()
+                .with_value_map(wide(1e12))
+                .unwrap(),
+            [1e12 + 0.5, 1e12 + 2.5],
+        ),
     ] {
         let (stage, choices) = draw(volume, at);
         let drawn = &stage.volumes[0];

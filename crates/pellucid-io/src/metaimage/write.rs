@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 use pellucid_field::{ValueMap, Volume, VoxelType, Warning};
 
-use crate::body::{DataFile, Files, Packing, SIZE_DIGITS, align, wide_base, written_type};
+use crate::body::{DataFile, Files, Packing, SIZE_DIGITS, Wide, align, written_type};
 use crate::options::plain_extension;
 use crate::{Endian, IoError, WriteOptions};
 
@@ -23,9 +23,10 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
     let axes = [affine.matrix3.x_axis, affine.matrix3.y_axis, affine.matrix3.z_axis];
     let directions: [DVec3; 3] = std::array::from_fn(|axis| axes[axis] / spacing[axis]);
     let directions = directions.map(|v| words(v.to_array())).join(" ");
-    let is_wide = wide_base(volume).is_some();
+    let wide = Wide::of(volume);
     let tag_type = match written_type(volume, &mut warnings) {
-        _ if is_wide => "MET_LONG_LONG",
+        _ if matches!(wide, Some(Wide::Integers(_))) => "MET_LONG_LONG",
+        _ if wide.is_some() => "MET_DOUBLE",
         VoxelType::U8 => "MET_UCHAR",
         VoxelType::I8 => "MET_CHAR",
         VoxelType::U16 => "MET_USHORT",
@@ -57,7 +58,7 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
         tag("ElementNumberOfChannels", &volume.components().to_string());
     }
     let map = volume.value_map();
-    if map != ValueMap::IDENTITY && !is_wide {
+    if map != ValueMap::IDENTITY && wide.is_none() {
         tag("ElementToIntensityFunctionSlope", &map.scale.to_string());
         tag("ElementToIntensityFunctionOffset", &map.offset.to_string());
     }

@@ -10,7 +10,7 @@ use pellucid_field::{ValueMap, Volume, VoxelType, Warning};
 
 use super::geometry::qform;
 use super::header::SIZE_1;
-use crate::body::{wide_base, write_interleaved, write_planar, written_type};
+use crate::body::{Wide, write_interleaved, write_planar, written_type};
 use crate::options::is_gzip_name;
 use crate::world::{Frame, millimetres, to_world};
 use crate::{AtomicFile, IoError, WriteOptions};
@@ -48,9 +48,10 @@ fn is_colour(volume: &Volume) -> bool {
 fn header(path: &Path, volume: &Volume, warnings: &mut Vec<Warning>) -> Result<[u8; DATA_OFFSET], IoError> {
     let mut bytes = [0; DATA_OFFSET];
     let mut put = |at: usize, field: &[u8]| bytes[at..at + field.len()].copy_from_slice(field);
-    let is_wide = wide_base(volume).is_some();
+    let wide = Wide::of(volume);
     let (datatype, size) = match (written_type(volume, warnings), volume.components()) {
-        _ if is_wide => (1024i16, 8),
+        _ if matches!(wide, Some(Wide::Integers(_))) => (1024i16, 8),
+        _ if wide.is_some() => (64, 8),
         (VoxelType::U8, 3) => (128, 3),
         (VoxelType::U8, 4) => (2304, 4),
         (VoxelType::U8, _) => (2, 1),
@@ -100,7 +101,7 @@ fn header(path: &Path, volume: &Volume, warnings: &mut Vec<Warning>) -> Result<[
     let pixdim = [q.map_or(1.0, |(_, side)| side as f32), spacing[0], spacing[1], spacing[2], 1.0, 1.0, 1.0, 1.0];
     put(76, bytemuck::cast_slice(&pixdim));
     put(108, &(DATA_OFFSET as f32).to_ne_bytes());
-    let map = if is_wide { ValueMap::IDENTITY } else { volume.value_map() };
+    let map = if wide.is_some() { ValueMap::IDENTITY } else { volume.value_map() };
     put(112, bytemuck::cast_slice(&[map.scale as f32, map.offset as f32]));
     put(123, &[unit]);
     put(148, b"pellucid");

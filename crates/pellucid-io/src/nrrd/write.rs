@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 use pellucid_field::{ValueMap, Volume, VoxelType, Warning};
 
-use crate::body::{DataFile, Files, Packing, align, wide_base, written_type};
+use crate::body::{DataFile, Files, Packing, Wide, align, written_type};
 use crate::options::plain_extension;
 use crate::{Endian, IoError, WriteOptions};
 
@@ -26,8 +26,13 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
 
     let mut header = "NRRD0005\n".to_owned();
     let mut field = |name: &str, value: &str| header.extend([name, ": ", value, "\n"]);
-    let is_wide = wide_base(volume).is_some();
-    field("type", if is_wide { "int64" } else { type_name(voxel_type) });
+    let wide = Wide::of(volume);
+    let type_name = match wide {
+        Some(Wide::Integers(_)) => "int64",
+        Some(Wide::Doubles(_)) => "double",
+        None => type_name(voxel_type),
+    };
+    field("type", type_name);
     match volume.is_anatomical {
         true => field("space", "left-posterior-superior"),
         false => field("space dimension", "3"),
@@ -65,7 +70,7 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
         field("data file", name);
     }
     let map = volume.value_map();
-    if map != ValueMap::IDENTITY && !is_wide {
+    if map != ValueMap::IDENTITY && wide.is_none() {
         header.push_str(&format!("value scale:={}\nvalue offset:={}\n", map.scale, map.offset));
         warnings.push(Warning::File(format!(
             "NRRD has no field for 'value = {} x stored + {}': it is kept as key/value pairs that other programs ignore",

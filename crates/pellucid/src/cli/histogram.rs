@@ -26,7 +26,7 @@ pub fn draw(histogram: &Histogram, width: usize, rows: usize) -> String {
         text.push('\n');
     }
     let (low, high) = histogram.range();
-    let (low, high) = (Short(low).to_string(), Short(high).to_string());
+    let [low, high] = Short::ends(low, high);
     let note = format!("log counts, most {most}");
     let gap = counts.len().saturating_sub(low.len() + high.len() + note.len());
     text.push_str(&format!("{low}{}{note}{}{high}\n", " ".repeat(gap / 2), " ".repeat(gap - gap / 2)));

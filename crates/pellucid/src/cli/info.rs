@@ -121,7 +121,8 @@ impl<'v> About<'v> {
         if counts.finite == 0 {
             line("range", "none, as no value is finite".to_owned());
         } else {
-            line("range", format!("{} to {}{data}{all}", Short(counts.min), Short(counts.max)));
+            let [low, high] = Short::ends(counts.min, counts.max);
+            line("range", format!("{low} to {high}{data}{all}"));
             line("mean", format!("{}{data}{all}", Short(counts.mean)));
         }
         if counts.nan + counts.infinite > 0 {

@@ -99,6 +99,12 @@ pub fn voxel_type() -> impl TypedValueParser<Value = VoxelType> {
     word(&TYPES)
 }
 
+/// What was expected, with the one of the words that was probably meant.
+pub fn with_pointer(expected: &str, found: &str, words: &[&str]) -> String {
+    let pointer = meant(found, words.iter().copied()).map(|word| format!(" (did you mean {word}?)"));
+    format!("{expected}{}", pointer.unwrap_or_default())
+}
+
 /// One of several words, each with what it stands for.
 pub fn word<T>(words: &'static [(&'static str, T)]) -> impl TypedValueParser<Value = T>
 where

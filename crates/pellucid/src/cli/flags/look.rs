@@ -12,7 +12,8 @@ use super::first_volume;
 use crate::cli::failure::Failure;
 use crate::cli::values;
 
-/// A preset over a window, which is there as long as the window is not known.
+/// A preset over a window, which is there as long as the window is not known: the one that a file was printed from, which
+/// may choose its window in its own way, or this one.
 const RELATIVE: &str = "density";
 
 #[derive(clap::Args, Debug)]
@@ -105,7 +106,8 @@ impl LookFlags {
         if let Some(file) = &self.transfer_function {
             let entry = first_volume(scene, "--transfer-function")?;
             if let Some((material, shading)) = file.surface {
-                (entry.material, entry.shading) = (Some(material), Some(shading));
+                let lit = self.shading.unwrap_or(shading);
+                (entry.material, entry.shading) = (lit.then_some(material), Some(shading));
             }
             match &file.relative {
                 None => {
@@ -113,8 +115,10 @@ impl LookFlags {
                     entry.gradient_weight = file.gradient_weight.or(entry.gradient_weight);
                 }
                 // Any look over a window, until the window is known: `spread` puts the file's in its place.
-                Some(_) => {
-                    (entry.preset, entry.colormap, entry.opacity) = (Some(RELATIVE.to_owned()), None, None);
+                Some(preset) => {
+                    let built_in = Preset::by_name(&preset.name).is_ok_and(|known| known.scale == Scale::Relative);
+                    let stand_in = if built_in { preset.name.clone() } else { RELATIVE.to_owned() };
+                    (entry.preset, entry.colormap, entry.opacity) = (Some(stand_in), None, None);
                     entry.transfer_function = None;
                 }
             }
@@ -225,9 +229,10 @@ fn light(text: &str) -> Result<LightFlag, String> {
     match text {
         "headlight" => Ok(LightFlag::Rig(Lighting::headlight())),
         "three-point" => Ok(LightFlag::Rig(Lighting::three_point())),
-        _ => values::numbers(text)
-            .map(LightFlag::Direction)
-            .map_err(|_| "expected headlight, three-point or the three numbers of a direction".into()),
+        _ => values::numbers(text).map(LightFlag::Direction).map_err(|_| {
+            let expected = "expected headlight, three-point or the three numbers of a direction";
+            values::with_pointer(expected, text, &["headlight", "three-point"])
+        }),
     }
 }
 

@@ -34,6 +34,18 @@ pub const TECHNIQUES: [(&str, Kind); 7] = [
     ("path-trace", Kind::Paths),
 ];
 
+/// What is looked for among techniques, and where it is.
+const NOT_TECHNIQUES: [(&str, &str); 8] = [
+    ("composite", "--mode composite, of ray-cast and the slices, is the default"),
+    ("maximum", "maximum projections are drawn with --mode maximum"),
+    ("minimum", "minimum projections are drawn with --mode minimum"),
+    ("average", "averages are drawn with --mode average"),
+    ("additive", "emission without absorption is drawn with --mode additive"),
+    ("x-ray", "absorption without emission is drawn with --mode x-ray"),
+    ("isosurface", "surfaces are drawn with --iso VALUE"),
+    ("slice", "planes are drawn with --slice axial|coronal|sagittal|NX,NY,NZ"),
+];
+
 /// A technique that keeps the scene's mode, as far as it has any.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
@@ -70,7 +82,7 @@ pub struct TechniqueFlags {
     ///
     /// Slices lie across the view (view-aligned), on the volume's own planes (object-aligned), between those
     /// (multi-texture), or on spheres around the eye (shells). They keep no depth and no normals.
-    #[arg(long, value_name = "TECHNIQUE", value_parser = values::word(&TECHNIQUES))]
+    #[arg(long, value_name = "TECHNIQUE", value_parser = values::word_or(&TECHNIQUES, &NOT_TECHNIQUES))]
     technique: Option<Kind>,
     /// What becomes of the samples along a ray [default: composite]
     #[arg(long, value_name = "MODE", value_parser = values::word_or(&MODES, &NOT_MODES), conflicts_with_all = ["iso", "slice"])]
@@ -207,8 +219,10 @@ fn plane(text: &str) -> Result<Plane, String> {
         "sagittal" => return Ok(Plane { normal: [1.0, 0.0, 0.0], azimuth: 90.0, elevation: 0.0 }),
         _ => {}
     }
-    let normal = values::numbers::<3>(text)
-        .map_err(|_| "expected axial, coronal, sagittal or the three numbers of a normal".to_owned())?;
+    let normal = values::numbers::<3>(text).map_err(|_| {
+        let expected = "expected axial, coronal, sagittal or the three numbers of a normal";
+        values::with_pointer(expected, text, &["axial", "coronal", "sagittal"])
+    })?;
     let [x, y, z] = normal;
     let length = (x * x + y * y + z * z).sqrt();
     if length == 0.0 || !length.is_finite() {
