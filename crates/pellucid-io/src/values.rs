@@ -94,8 +94,9 @@ fn single_precision(
     };
     let so_far = warnings.len();
     let voxels = narrowed(payload, options, warnings, from(0.0))?;
-    let base = low.get();
-    if most.get() <= (high.get() - base) * LOST {
+    let (base, high) = (low.get(), high.get());
+    // A single value differs from nothing.
+    if high <= base || most.get() <= (high - base) * LOST {
         return Ok((voxels, 0.0));
     }
     drop(voxels);

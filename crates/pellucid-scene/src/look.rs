@@ -69,6 +69,7 @@ impl Look {
             Technique::PathTrace(settings) => {
                 settings.environment = self.environment();
                 settings.surface_depth = if self == Self::Cloud { 0.0 } else { 3.0 };
+                settings.denoise = true;
                 // The sky and the ambient light are the same light.
                 if self == Self::Sky {
                     scene.lighting.lights.clear();
@@ -76,24 +77,33 @@ impl Look {
             }
             Technique::HalfAngle(settings) => {
                 settings.ambient = true;
+                // What is spread forward reaches shadows as well.
+                scene.lighting.ambient = scene.lighting.ambient.min(0.35);
                 settings.blur_angle = if self == Self::Skin { 45.0 } else { 35.0 };
                 (settings.in_scatter, settings.initial_indirect, settings.indirect) = match self {
                     Self::Cloud => (InScatter::DirectFromMatter, 0.3, 1.0),
                     _ => (InScatter::default(), 1.0, 0.55),
                 };
             }
-            Technique::RayCast(_) | Technique::Slicing(_) => {}
+            // Surfaces lie half in the shadow of their own matter, and light that is scattered again is lost.
+            Technique::RayCast(_) => {
+                let gain = if self == Self::Cloud { 2.5 } else { 1.6 };
+                scene.lighting.lights.iter_mut().for_each(|light| light.intensity *= gain);
+            }
+            Technique::Slicing(_) => {}
         }
         // The others follow light through the volume by themselves, or not at all.
         if !matches!(scene.technique, Technique::RayCast(_)) {
             scene.lighting.shadows = Shadows::default();
         }
-        let physical = matches!(scene.technique, Technique::PathTrace(_));
+        if matches!(scene.technique, Technique::PathTrace(_) | Technique::HalfAngle(_)) {
+            scene.lighting.model = LightModel::default();
+        }
         for entry in &mut scene.volumes {
             entry.shading = Some(self != Self::Cloud);
             entry.material = self.material();
             // Functions of the data's values, the same for all of them.
-            entry.scattering = self.scattering(physical);
+            entry.scattering = self.scattering(&scene.technique);
         }
     }
 
@@ -165,8 +175,9 @@ impl Look {
         }
     }
 
-    /// `physical`: whether light is followed and conserved, or made for the eye.
-    fn scattering(self, physical: bool) -> Scattering {
+    fn scattering(self, technique: &Technique) -> Scattering {
+        // Whether light is followed and conserved, or made for the eye.
+        let physical = matches!(technique, Technique::PathTrace(_));
         let everywhere = |color| Some(vec![ColorPoint::new(0.0, Color::hex(color))]);
         let surface = |share| SurfaceShare::Values(vec![NumberPoint::new(0.0, share)]);
         let normalization = if physical { PhaseNormalization::Physical } else { PhaseNormalization::Renormalised };
@@ -179,7 +190,8 @@ impl Look {
             Self::Cloud => Scattering {
                 // A cloud throws most light on; where that is not conserved, its sides would be black.
                 phase: Phase::HenyeyGreenstein { g: if physical { 0.6 } else { 0.2 } },
-                albedo: if physical { Albedo::Constant(0.99) } else { Albedo::Color },
+                // The colours of values that are little of a cloud are dark, and light would be lost to them.
+                albedo: Albedo::Constant(0.99),
                 transport: everywhere(0xebedf2),
                 ..scattering
             },

@@ -237,7 +237,9 @@ const LIT_FROM_EVERYWHERE: Need = Need {
         Technique::PathTrace(_) => false,
         Technique::HalfAngle(settings) => settings.ambient,
         Technique::RayCast(_) | Technique::Slicing(_) => {
-            (SURFACES_OR_AMBIENT.is_met)(drawn) && drawn.stage.volumes.iter().any(is_shaded)
+            // What scatters reflects it as the default material does where there is none.
+            let answers = drawn.stage.scatters() || drawn.stage.volumes.iter().any(is_shaded);
+            (SURFACES_OR_AMBIENT.is_met)(drawn) && answers
         }
     },
     otherwise: "only what is shaded reflects ambient light; half-angle slicing if its own 'ambient' is on, and paths find \

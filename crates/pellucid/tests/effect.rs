@@ -73,6 +73,7 @@ fn contexts() -> Vec<(&'static str, Vec<(&'static str, Value)>)> {
         ("from a distance", vec![("camera.view.orbit.distance", json!(600.0))]),
         ("pre-integrated", vec![("quality.classification", json!("pre_integrated"))]),
         ("scattering", vec![("lighting.model", json!("scattering"))]),
+        ("scattering, unlit", vec![("lighting.model", json!("scattering")), ("volumes[0].shading", json!(false))]),
         ("a look over a window", vec![("volumes[0].preset", json!("density"))]),
         ("half angles", vec![half_angle(json!({}))]),
         ("half angles, direct light", vec![half_angle(json!({ "indirect": 0.0 }))]),
@@ -90,6 +91,7 @@ fn contexts() -> Vec<(&'static str, Vec<(&'static str, Value)>)> {
 const BY_CHANCE: &[(&str, &str)] = &[
     // Where all directions are alike, so are lights.
     ("scattering", "lighting.lights"),
+    ("scattering, unlit", "lighting.lights"),
     // A light at the eye casts no shadow that is seen on what nothing covers.
     ("isosurface of its own colour", "lighting.shadows"),
     // The preset is unlit as it is.

@@ -62,6 +62,9 @@ fn table() -> Vec<(&'static [&'static str], &'static str, Value)> {
         (&["--slice", "axial"], "/technique/ray_cast/mode/slice/normal", json!([0.0, 0.0, 1.0])),
         (&["--slice", "0,-2,0"], "/technique/ray_cast/mode/slice/normal", json!([0.0, -2.0, 0.0])),
         (&["--slice", "axial", "--at", "1,2,-3"], "/technique/ray_cast/mode/slice/point", json!([1.0, 2.0, -3.0])),
+        // Magnified, it is faced all the same.
+        (&["--slice", "axial", "--zoom", "2"], "/camera/view/orbit/elevation", json!(-90.0)),
+        (&["--slice", "axial", "--zoom", "2"], "/camera/view/orbit/zoom", json!(2.0)),
         (&["--slice", "axial", "--thickness", "4"], "/technique/ray_cast/mode/slice/thickness", json!(4.0)),
         (&["--slice", "axial", "--combine", "average"], "/technique/ray_cast/mode/slice/combine", json!("average")),
         (&["--step", "0.25"], "/quality/step", json!(0.25)),

@@ -54,13 +54,17 @@ pub struct CameraFlags {
 }
 
 impl CameraFlags {
-    /// Whether any of them decides where the eye stands or how it projects.
+    /// Whether any of them decides where the eye stands or how it projects; a zoom magnifies what it sees.
     pub fn is_given(&self) -> bool {
-        self.orbits() || self.looks() || self.target.is_some() || self.fov.is_some() || self.orthographic.is_some()
+        self.stands() || self.looks() || self.target.is_some() || self.fov.is_some() || self.orthographic.is_some()
+    }
+
+    fn stands(&self) -> bool {
+        [self.azimuth, self.elevation, self.roll, self.distance].iter().any(Option::is_some)
     }
 
     fn orbits(&self) -> bool {
-        [self.azimuth, self.elevation, self.roll, self.zoom, self.distance].iter().any(Option::is_some)
+        self.stands() || self.zoom.is_some()
     }
 
     fn looks(&self) -> bool {

@@ -11,7 +11,7 @@ pub mod technique;
 use std::sync::Arc;
 
 use pellucid::field::Volume;
-use pellucid::scene::{Camera, Choice, Scene, Stage, VolumeEntry};
+use pellucid::scene::{Camera, Choice, Orbit, Scene, Stage, View, VolumeEntry};
 use pellucid::without_effect;
 
 use super::failure::Failure;
@@ -98,6 +98,10 @@ impl SceneFlags {
         let mut scene = base.clone();
         self.camera.apply(&mut scene)?;
         let Camera { projection, view, .. } = scene.camera;
+        let view = match view {
+            View::Orbit(orbit) => View::Orbit(Orbit { zoom: Orbit::default().zoom, ..orbit }),
+            View::LookAt(_) => view,
+        };
         let free = (Camera { projection, view, ..Camera::default() }) == Camera::default() && !self.camera.is_given();
         self.technique.apply(&mut scene, free)?;
         // A look depends on the technique, and other flags change parts of it.

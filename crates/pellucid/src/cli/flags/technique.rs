@@ -158,7 +158,7 @@ impl TechniqueFlags {
         if let Some(plane) = self.slice {
             *mode = Mode::Slice(Slice { normal: Some(plane.normal), ..slice_of(mode).cloned().unwrap_or_default() });
             if face {
-                scene.camera = Camera { frame: scene.camera.frame, ..plane.camera() };
+                scene.camera = plane.faced_by(&scene.camera);
             }
         }
         let flags = [
@@ -203,11 +203,16 @@ fn slice_of(mode: &mut Mode) -> Option<&mut Slice> {
 }
 
 impl Plane {
-    fn camera(self) -> Camera {
+    /// A camera that faces the plane and frames and magnifies as this one.
+    fn faced_by(self, camera: &Camera) -> Camera {
+        let zoom = match camera.view {
+            View::Orbit(orbit) => orbit.zoom,
+            View::LookAt(_) => 1.0,
+        };
         Camera {
             projection: Projection::Orthographic { height: None },
-            view: View::Orbit(Orbit { azimuth: self.azimuth, elevation: self.elevation, ..Orbit::default() }),
-            ..Camera::default()
+            view: View::Orbit(Orbit { azimuth: self.azimuth, elevation: self.elevation, zoom, ..Orbit::default() }),
+            frame: camera.frame,
         }
     }
 }
