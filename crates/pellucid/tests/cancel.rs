@@ -134,7 +134,7 @@ fn interrupted_twice_a_picture_of_paths_leaves_nothing_behind() {
     std::fs::write(folder.path().join("paths.toml"), PATHS).unwrap();
     for seconds in [4, 16, 60] {
         // So many pixels take seconds to be made smooth, and few each to be traced twice.
-        let args = ["render", "paths.toml", "--size", "1600x1600", "-o", "paths.png", "--backend", "cpu"];
+        let args = ["render", "paths.toml", "--size", "700x700", "-o", "paths.png", "--backend", "cpu"];
         let mut child = command(&args).current_dir(folder.path()).stderr(Stdio::piped()).spawn().unwrap();
         let mut remarks = BufReader::new(child.stderr.take().unwrap());
         std::thread::sleep(Duration::from_secs(seconds));

@@ -76,11 +76,12 @@ fn passes_tend_to_the_picture_of_one() {
 fn noise_targets_are_met_in_passes() {
     let (frame, taken) = drawn("samples = 4096\nnoise = 0.04", 1);
     assert_eq!(taken, [64, 256, 1024, 4096]);
-    let ratios =
-        (0..frame.color.len()).map(|pixel| f64::from(frame.noise[pixel]) / brightness(&frame, pixel).max(1e-3));
+    // At the rim, which most paths miss, chance ends passes early, as it does a whole picture.
+    let covered: Vec<usize> = (0..frame.color.len()).filter(|pixel| frame.color[*pixel][3] > 0.3).collect();
+    let ratio = |pixel: usize| f64::from(frame.noise[pixel]) / brightness(&frame, pixel);
     // Each pass judges by its own mean: a few pixels miss the target of the whole by a little.
-    let missed = ratios.filter(|ratio| *ratio > 0.044).count();
-    assert!(missed < frame.color.len() / 50, "{missed}");
+    let missed = covered.iter().filter(|pixel| ratio(**pixel) > 0.042).count();
+    assert!(covered.len() > 100 && missed * 50 < covered.len(), "{missed} of {}", covered.len());
     assert!(frame.statistics.rays < 40 * 32 * 4096 / 3, "{}", frame.statistics.rays);
 }
 

@@ -82,7 +82,8 @@ pub fn same_surface(frame: &Frame, slope: &[f32], [a, b]: [usize; 2], distance: 
 
 /// The variance of each channel's mean. That of colours is the luminance's, shared as the colours around are: one
 /// pixel's own estimate is low where its value is, and such pixels would keep what they have. Coverage is a share of
-/// the samples, and its variance that of its posterior, which is not 0 where all samples agree.
+/// the samples, and its variance that of its posterior, which is not 0 where all samples agree: surroundings, which a
+/// silhouette parts, need not tell.
 fn variance(frame: &Frame, color: &[[f32; 4]], noise: &[f32], samples: f32, at: [isize; 2]) -> [f32; 4] {
     let (mut sum, mut squares, mut count) = ([0.0; 4], 0.0, 0.0);
     for pixel in around(frame, at, 1) {
@@ -90,9 +91,10 @@ fn variance(frame: &Frame, color: &[[f32; 4]], noise: &[f32], samples: f32, at: 
         squares += noise[pixel] * noise[pixel];
         count += 1.0;
     }
-    let [r, g, b, alpha] = sum.map(|sum| sum / count);
+    let [r, g, b, _] = sum.map(|sum| sum / count);
     let brightness = luminance([r, g, b]).max(1e-9);
-    let hits = alpha.clamp(0.0, 1.0) * samples;
+    let own = place(frame, at).map_or(0.0, |pixel| color[pixel][3]);
+    let hits = own.clamp(0.0, 1.0) * samples;
     let of_coverage = (hits + 1.0) * (samples - hits + 1.0) / ((samples + 2.0).powi(2) * (samples + 3.0));
     let of = |channel: f32| squares / count * (channel / brightness).powi(2);
     [of(r), of(g), of(b), of_coverage]
