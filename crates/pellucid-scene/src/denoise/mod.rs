@@ -8,6 +8,7 @@ mod comparison;
 mod guides;
 mod speckles;
 
+use pellucid_field::parallel;
 use rayon::prelude::*;
 
 use crate::{Cancelled, Control, Frame};
@@ -16,18 +17,19 @@ use guides::Guides;
 
 /// Takes noise out of the colours of a frame of so many samples a pixel, and out of what is held back of each colour
 /// from behind. Sums over all pixels stay what they were, up to rounding; what has no noise in itself and around stays
-/// as it is, to the bit, and no other plane of the frame is changed. Works on the pool of the caller's thread.
+/// as it is, to the bit, and no other plane of the frame is changed. Works in parallel ([`parallel`]).
 ///
 /// # Errors
 /// [`Cancelled`]; the frame is then what it was before.
 pub fn denoise(frame: &mut Frame, samples: u32, control: &Control) -> Result<(), Cancelled> {
-    let (color, noise) = speckles::spread(frame);
-    let guides = Guides::new(frame, &color, &noise, samples);
-    let exchange = Exchange { guides: &guides, size: [frame.width, frame.height], control };
-    let whole = exchange.whole()?;
-    let color = exchange.of(&color, &whole)?;
-    let opacities = exchange.of(&frame.opacities, &whole)?;
-    (frame.color, frame.opacities) = (color, opacities);
+    let smooth = || {
+        let (color, noise) = speckles::spread(frame);
+        let guides = Guides::new(frame, &color, &noise, samples);
+        let exchange = Exchange { guides: &guides, size: [frame.width, frame.height], control };
+        let whole = exchange.whole()?;
+        Ok((exchange.of(&color, &whole)?, exchange.of(&frame.opacities, &whole)?))
+    };
+    (frame.color, frame.opacities) = parallel(smooth)?;
     Ok(())
 }
 

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use pellucid_field::parallel;
 use pellucid_scene::{Control, Frame, PathTrace, Stage, Technique, denoise};
 
 use super::mean::average;
@@ -121,7 +120,7 @@ impl Passes {
     pub fn into_frame(mut self, control: &Control) -> Result<Frame, RenderError> {
         if self.settings.denoise && self.taken > 0 {
             let started = Instant::now();
-            parallel(|| denoise(&mut self.mean, self.taken, control)).map_err(|_| RenderError::Cancelled)?;
+            denoise(&mut self.mean, self.taken, control).map_err(|_| RenderError::Cancelled)?;
             self.mean.statistics.render_seconds += started.elapsed().as_secs_f64();
         }
         Ok(self.mean)
