@@ -3,14 +3,14 @@
 use std::time::Instant;
 
 use pellucid_field::{Threads, memory, parallel};
-use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, Technique};
+use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, Technique, denoise};
 
 use crate::RenderError;
 use crate::half_angle;
 use crate::integrator::{Integrator, Traced};
 use crate::lanes::InstructionSet;
 use crate::packet::Packet;
-use crate::path_trace::{PathTracer, denoised};
+use crate::path_trace::PathTracer;
 use crate::prepare::{Cache, Prepared};
 use crate::rays::Emitter;
 use crate::tiles::{TILE, Tile, Tiles};
@@ -122,7 +122,6 @@ fn render(
     };
     let started = Instant::now();
     let drawing;
-    let mut smooth = None;
     match &stage.technique {
         Technique::RayCast(_) => {
             let prepared = Prepared::new(stage, volume, cache)?;
@@ -142,21 +141,20 @@ fn render(
             let drawer = tracer.drawer()?;
             drawing = Instant::now();
             tiles.draw(control, |tile| drawer.draw(tile, control))?;
-            if settings.denoise {
-                let mut noisy = Frame::new(stage.viewpoint.width, stage.viewpoint.height);
-                tiles.assemble(&mut noisy);
-                smooth = Some(denoised(&noisy, settings.samples, control)?);
-            }
         }
         Technique::Slicing(_) => return Err(RenderError::Technique { technique: stage.technique.name() }),
     }
     let view = &stage.viewpoint;
-    if (frame.width, frame.height) != (view.width, view.height) {
-        *frame = Frame::new(view.width, view.height);
-    }
-    tiles.assemble(frame);
-    if let Some(color) = smooth {
-        frame.color = color;
+    if let Some(settings) = stage.path_trace().filter(|settings| settings.denoise) {
+        let mut whole = Frame::new(view.width, view.height);
+        tiles.assemble(&mut whole);
+        denoise(&mut whole, settings.samples, control).map_err(|_| RenderError::Cancelled)?;
+        *frame = whole;
+    } else {
+        if (frame.width, frame.height) != (view.width, view.height) {
+            *frame = Frame::new(view.width, view.height);
+        }
+        tiles.assemble(frame);
     }
     let (tally, rays_hit) = tiles.total();
     let rays = match stage.technique {
@@ -170,6 +168,7 @@ fn render(
         samples: tally.samples,
         samples_visible: tally.visible,
         samples_skipped: tally.skipped,
+        light: tally.light,
         setup_seconds: (drawing - started).as_secs_f64(),
         render_seconds: drawing.elapsed().as_secs_f64(),
         device_seconds: None,
@@ -177,12 +176,7 @@ fn render(
     frame.warnings.clear();
     frame.warnings.extend(stage.fallbacks());
     frame.warnings.extend(stage.cautions(usize::MAX));
-    let [brought, held_back] = tally.light;
-    if held_back > 0.0 {
-        let share = 100.0 * held_back / brought;
-        let reason = format!("the firefly clamp held back {share:.2} % of the light that paths brought");
-        frame.warnings.push(RenderWarning::Bias { reason });
-    }
+    frame.warnings.extend(RenderWarning::clamped(&frame.statistics));
     frame.backdrop = stage.backdrop();
     if tally.visible == 0 || stage.is_too_faint(frame) {
         frame.warnings.push(RenderWarning::empty(stage, rays_hit));

@@ -7,7 +7,7 @@ use std::time::Instant;
 use pellucid_field::{Volume, memory};
 use pellucid_optics::{Anisotropy, Phase, ResolvedLight, Scattering, Shadows, Sky};
 use pellucid_scene::{
-    Control, Frame, FrameStatistics, Mode, PathTrace, RenderWarning, Stage, StageVolume, TableCache, Tables, Technique,
+    Control, Frame, FrameStatistics, Mode, RenderWarning, Stage, StageVolume, TableCache, Tables, Technique, denoise,
 };
 
 use crate::bricks::{self, Brick};
@@ -124,7 +124,7 @@ impl GpuRenderer {
         match &stage.technique {
             // Slices take a sample at its own place.
             Technique::Slicing(_) if stage.volumes.iter().any(noisy) => Some(format!("volumes.perturbation in {name}")),
-            Technique::PathTrace(settings) => lacks_of_paths(stage, settings),
+            Technique::PathTrace(_) => lacks_of_paths(stage),
             _ if lit && stage.lights.iter().any(ResolvedLight::is_face) => {
                 Some("lighting.lights of kind rectangle".to_owned())
             }
@@ -302,6 +302,9 @@ impl GpuRenderer {
                 let tracer = PathTracer::new(device, &mut self.pipelines, resident, what, optics, sky, self.drawing);
                 let (mut tracer, drawing) = (tracer?, Instant::now());
                 tracer.draw(&mut self.reused, control, frame)?;
+                if settings.denoise {
+                    denoise(frame, settings.samples, control).map_err(|_| GpuError::Cancelled)?;
+                }
                 drawing
             }
             Technique::RayCast(_) => {
@@ -352,11 +355,8 @@ impl GpuRenderer {
 }
 
 /// What the path tracer of this backend does not have.
-fn lacks_of_paths(stage: &Stage, settings: &PathTrace) -> Option<String> {
+fn lacks_of_paths(stage: &Stage) -> Option<String> {
     let lacks = |what: &str| Some(format!("{what} in path_trace"));
-    if settings.denoise {
-        return lacks("denoise");
-    }
     stage.volumes.iter().find_map(|volume| {
         let Scattering { phase, anisotropy, .. } = &volume.scattering;
         let varies = matches!(phase, Phase::Hybrid { .. }) && *anisotropy != Anisotropy::Uniform;

@@ -9,7 +9,7 @@ use pellucid_cpu::CpuRenderer;
 use pellucid_field::{Grid, Volume, VoxelType};
 use pellucid_gpu::{Ceiling, GpuError, GpuRenderer};
 use pellucid_optics::{Color, ColorSpace, Environment, SkyImage, SkyMap, SkySource, luminance};
-use pellucid_scene::{Cancel, Control, Frame, Stage, Technique};
+use pellucid_scene::{Cancel, Control, Frame, Stage, Technique, denoise};
 
 const SIZE: [u32; 2] = [24, 20];
 
@@ -210,6 +210,12 @@ fn surfaces_reflect_as_on_the_cpu() {
     let near = expected.depth.iter().zip(&found.depth).filter(|(a, b)| (*a - *b).abs() < 0.1).count();
     let both = expected.depth.iter().zip(&found.depth).filter(|(a, b)| a.is_finite() && b.is_finite()).count();
     assert!(both > 100 && near * 10 > both * 9, "{near} of {both}");
+    // And how what is there faces: where the ball is opaque at once, they look at the same place.
+    let facing = |k: usize| (0..3).map(|c| expected.normal[k][c] * found.normal[k][c]).sum::<f32>();
+    let solid: Vec<usize> = (0..found.color.len()).filter(|k| found.color[*k][3] > 0.99).collect();
+    let alike = solid.iter().filter(|k| facing(**k) > 0.99).count();
+    assert!(solid.len() > 100 && alike * 50 > solid.len() * 49, "{alike} of {}", solid.len());
+    assert!((0..found.color.len()).all(|k| found.depth[k].is_finite() || found.normal[k] == [0.0; 3]));
     // Highlights of lights with a size are found by chance; and surfaces in front of their matter, where that is thin
     // and where it is so thick that a voxel is the most.
     let sun = "kind.directional.direction = [0.6, 0.7, -0.4]\n";
@@ -219,6 +225,37 @@ fn surfaces_reflect_as_on_the_cpu() {
         let document = format!("{}surface_depth = {surface_depth:.1}\n", document.replace(sun, &instead));
         agree(&stage(&volume, &document, [36, 30]), &document);
     }
+}
+
+/// Noise is taken out as on the CPU: by the same denoiser, from the depths and normals of this backend.
+#[test]
+fn noise_goes_as_on_the_cpu() {
+    let volume = sample("ball", [24, 24, 24], VoxelType::F32);
+    let document = |settings: &str| {
+        format!(
+            "shading = true\n[volumes.transfer_function]\ncolors = [[0, \"#ffc080\"]]\n\
+             opacities = [[0.4, 0], [0.6, 0.95]]\nunit_distance = 0.1\n\
+             [volumes.scattering.surface]\ngradient = {{ low = 0.1, high = 0.8 }}\n\
+             [[lighting.lights]]\nkind.directional.direction = [0.6, 0.7, -0.4]\nradius = 20\n\
+             [technique.path_trace]\nenvironment.constant.color = \"#808080\"\n{settings}\n"
+        )
+    };
+    let stage = |settings: &str| stage(&volume, &document(settings), [48, 40]);
+    let truth = of_cpu(&stage("samples = 1024"));
+    let mut renderer = gpu(&Ceiling::default());
+    let noisy = draw(&mut renderer, &stage("samples = 16"));
+    let smooth = draw(&mut renderer, &stage("samples = 16\ndenoise = true"));
+    let mut expected = noisy.clone();
+    denoise(&mut expected, 16, &Control::default()).unwrap();
+    assert_eq!(smooth.color, expected.color);
+    assert_eq!((&smooth.normal, &smooth.noise), (&noisy.normal, &noisy.noise));
+    let rmse = |frame: &Frame| {
+        let pairs = frame.color.iter().flatten().zip(truth.color.iter().flatten());
+        pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>().sqrt()
+    };
+    let of_the_cpu = of_cpu(&stage("samples = 16\ndenoise = true"));
+    assert!(rmse(&smooth) * 1.3 < rmse(&noisy), "{} to {}", rmse(&noisy), rmse(&smooth));
+    assert!(rmse(&smooth) < 1.2 * rmse(&of_the_cpu), "{}, not {}", rmse(&smooth), rmse(&of_the_cpu));
 }
 
 /// A white medium in a white sky is not seen: what collides brings as much light as what does not.

@@ -19,6 +19,11 @@ impl Cancel {
     }
 }
 
+/// Work was stopped by its [`Cancel`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("cancelled")]
+pub struct Cancelled;
+
 /// How a caller watches and stops a render.
 #[derive(Clone, Copy, Default)]
 pub struct Control<'a> {

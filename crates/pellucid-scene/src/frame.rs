@@ -49,6 +49,8 @@ pub struct FrameStatistics {
     pub samples_visible: u64,
     /// Samples leapt over in empty blocks.
     pub samples_skipped: u64,
+    /// Luminance that paths brought, and what of it a firefly clamp held back, where that is counted.
+    pub light: [f64; 2],
     /// Seconds to build tables and block maps.
     pub setup_seconds: f64,
     /// Seconds to draw.
@@ -97,6 +99,16 @@ pub enum RenderWarning {
 }
 
 impl RenderWarning {
+    /// A firefly clamp held light back, if these totals say so.
+    pub fn clamped(statistics: &FrameStatistics) -> Option<Self> {
+        let [brought, held_back] = statistics.light;
+        (held_back > 0.0).then(|| {
+            let share = 100.0 * held_back / brought;
+            let reason = format!("the firefly clamp held back {share:.2} % of the light that paths brought");
+            Self::Bias { reason }
+        })
+    }
+
     /// The picture of a stage is empty although this many rays met the volume.
     pub fn empty(stage: &Stage, rays_hit: u64) -> Self {
         Self::Empty { reason: stage.why_empty(rays_hit) }
@@ -158,6 +170,7 @@ impl FrameStatistics {
         self.samples += other.samples;
         self.samples_visible += other.samples_visible;
         self.samples_skipped += other.samples_skipped;
+        self.light = [self.light[0] + other.light[0], self.light[1] + other.light[1]];
         self.setup_seconds += other.setup_seconds;
         self.render_seconds += other.render_seconds;
         self.device_seconds = match (self.device_seconds, other.device_seconds) {

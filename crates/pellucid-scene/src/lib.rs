@@ -17,6 +17,7 @@ mod choice;
 mod citations;
 mod clip;
 mod control;
+mod denoise;
 mod document;
 mod empty;
 mod encode;
@@ -48,7 +49,8 @@ pub use camera::{Camera, Framing, LookAt, Orbit, Projection, Ray, View, Viewpoin
 pub use check::Invalid;
 pub use choice::Choice;
 pub use clip::{Clip, Region};
-pub use control::{Cancel, Control};
+pub use control::{Cancel, Cancelled, Control};
+pub use denoise::denoise;
 pub use document::{DocumentError, Format, json_schema};
 pub use frame::{Frame, FrameStatistics, RenderWarning};
 pub use image::{Background, Encoding, ImageSettings};

@@ -29,7 +29,8 @@
 //! # }
 //! ```
 //!
-//! For a window, [`Progressive`] draws a preview first and then ever better pictures.
+//! For a window, [`Progressive`] draws a preview first and then ever better pictures. [`Passes`] trace paths so that a
+//! picture that takes long can be stopped and kept.
 //!
 //! Pictures are made of many small steps, which are slow where nothing optimizes them. A program that is
 //! built without `--release` says so in its `Cargo.toml`:
@@ -57,7 +58,7 @@ struct Readme;
 pub use effect::{WithoutEffect, without_effect};
 pub use load::{LoadError, LoadOptions, load, load_optics, load_optics_with, load_with};
 pub use pellucid_cpu::{CpuRenderer, InstructionSet};
-pub use progressive::{Picture, Progressive, Step};
+pub use progressive::{Passes, Picture, Progressive, Step};
 pub use renderer::{Backend, RenderError, Renderer};
 pub use save::{PngDepth, SaveError, save, save_exr, save_png};
 

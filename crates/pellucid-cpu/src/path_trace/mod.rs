@@ -6,7 +6,6 @@
 //! (`path`). Every path has random numbers of its own (`random`), and every pixel its paths in one
 //! order: the picture is the same to the bit for any number of threads and any tiles.
 
-mod denoise;
 mod extinction;
 mod lens;
 mod majorants;
@@ -29,7 +28,6 @@ use pellucid_scene::{Control, Jitter, MajorantGrid, PathTrace, Region, Stage, St
 use crate::RenderError;
 use crate::field::{Moved, Probe};
 use crate::tiles::Tile;
-pub use denoise::denoised;
 use extinction::Extinctions;
 use lens::Lens;
 use medium::Medium;

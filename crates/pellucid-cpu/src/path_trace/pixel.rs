@@ -1,7 +1,7 @@
 //! From paths to a pixel: their mean, its standard error, and when there are enough of them.
 
 use pellucid_optics::luminance;
-use pellucid_scene::Control;
+use pellucid_scene::{Control, PathTrace};
 
 use super::random::Random;
 use super::sights::Sight;
@@ -13,9 +13,6 @@ use crate::tiles::Tile;
 
 /// Paths between two looks at the caller's switch: about a millisecond.
 const BATCH: u32 = 16;
-
-/// Fewest paths before a pixel may be done: with fewer, dark ones are often not noisy but unlucky.
-const FEWEST: u32 = 64;
 
 /// Brightness below which noise is not worth more paths, as a share of white.
 const DARK: f64 = 1e-3;
@@ -112,7 +109,8 @@ impl<F: Values> Paths<'_, F> {
             collided += u32::from(found.depth.is_finite());
             looks = looks.saturating_add(found.looks);
             depths.push(found.depth);
-            let looked_at = settings.noise > 0.0 && (sample + 1) % BATCH == 0 && sample + 1 >= FEWEST;
+            let looked_at =
+                settings.noise > 0.0 && (sample + 1) % BATCH == 0 && sample + 1 >= PathTrace::LEAST_TO_JUDGE;
             let allowed = f64::from(settings.noise) * brightness.mean.max(DARK);
             if looked_at && brightness.standard_error() <= allowed {
                 break;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::SQRT_2;
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 use pellucid_field::{Grid, Leaps};
 use pellucid_scene::{MajorantGrid, PathTrace, Viewpoint};
 
@@ -40,7 +40,9 @@ impl Sights {
         let size = f64::from(majorants.size);
         // A little less than a block leaves room for rounding.
         let is_narrow = settings.aperture == 0.0 && size.is_finite() && spread < 0.99 * size;
-        is_narrow.then(|| Self { view: *view, index_from_world, leaps: widened(&majorants.leaps), size })
+        // Paths are spread over each pixel anyway (`lens.rs`).
+        let view = Viewpoint { shift: DVec2::ZERO, ..*view };
+        is_narrow.then(|| Self { view, index_from_world, leaps: widened(&majorants.leaps), size })
     }
 
     /// That of a pixel.

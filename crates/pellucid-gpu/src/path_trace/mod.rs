@@ -8,6 +8,7 @@ mod sky;
 use std::time::Instant;
 
 use bytemuck::bytes_of;
+use glam::Vec3;
 use pellucid_optics::{Material, Sky};
 use pellucid_scene::{Control, Frame as Picture, MajorantGrid, PathTrace, Stage, StageVolume};
 use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, CommandEncoderDescriptor};
@@ -117,10 +118,12 @@ impl<'a> PathTracer<'a> {
             };
             self.draw_band(targets, &mut reused.looks, [row, rows], control, &report)?;
             targets.read_pixels(self.device, [column, row], rows, picture, |pixel, place, picture| {
-                let [noise, count, _, _] = pixel.surface;
+                let [noise, x, y, _] = pixel.surface;
+                let [_, _, met, count] = pixel.counts;
                 picture.noise[place] = noise;
-                picture.statistics.rays_hit += u64::from(pixel.counts[2]);
-                paths += count as u64;
+                picture.normal[place] = unpacked_normal([x, y]);
+                picture.statistics.rays_hit += u64::from(met);
+                paths += u64::from(count);
             })?;
             row += rows;
         }
@@ -188,4 +191,14 @@ impl<'a> PathTracer<'a> {
     fn encoder(&self) -> CommandEncoder {
         self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("paths") })
     }
+}
+
+/// A unit vector from its point on the unfolded octahedron, as `path_trace_pixels.wgsl` makes it; zero if it is beyond.
+fn unpacked_normal([x, y]: [f32; 2]) -> [f32; 3] {
+    if x.abs() > 1.0 {
+        return [0.0; 3];
+    }
+    let z = 1.0 - x.abs() - y.abs();
+    let [x, y] = if z < 0.0 { [(1.0 - y.abs()).copysign(x), (1.0 - x.abs()).copysign(y)] } else { [x, y] };
+    Vec3::new(x, y, z).normalize_or_zero().to_array()
 }

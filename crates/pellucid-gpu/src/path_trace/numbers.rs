@@ -57,7 +57,12 @@ impl Paths {
             more: [settings.roulette, x, y, z],
             numbers: [settings.noise, in_steps(settings.aperture), in_steps(focus), size],
             // No surface is told more finely than in voxels.
-            surface: [settings.surface_depth, in_steps(grid.mean_spacing()), settings.firefly_clamp, 0.0],
+            surface: [
+                settings.surface_depth,
+                in_steps(grid.mean_spacing()),
+                settings.firefly_clamp,
+                f32::from(volume.scattering.has_surfaces()),
+            ],
             chroma: chroma.map_or([1.0, 1.0, 1.0, 0.0], |[r, g, b]| [r, g, b, 1.0]),
             index_x,
             index_y,

@@ -1,10 +1,24 @@
-// From paths to pixels: their mean, its standard error, and the depth at which half of a ray's light has collided.
+// From paths to pixels: their mean, its standard error, the depth at which half of a ray's light has collided, and the
+// normal there.
 #import pellucid::frame::{frame, bounds}
-#import pellucid::field::field_value
+#import pellucid::field::{field_gradient, field_value}
+#import pellucid::light::normal_of
 #import pellucid::march::{states, HIT, NOWHERE}
 #import pellucid::pixel::{Pixel, pixels}
 #import pellucid::ray::{ray_at, ray_of, sample_of}
 #import pellucid::paths::{matter_at, paths}
+
+// A unit vector as a point of the square from -1 to 1 (the octahedron, folded open: Cigolle et al. 2014); beyond it
+// where there is none.
+fn packed_normal(normal: vec3<f32>) -> vec2<f32> {
+    let sum = abs(normal.x) + abs(normal.y) + abs(normal.z);
+    if sum == 0.0 {
+        return vec2<f32>(2.0);
+    }
+    let p = normal.xy / sum;
+    let folded = (1.0 - abs(p.yx)) * select(vec2<f32>(-1.0), vec2<f32>(1.0), p >= vec2<f32>(0.0));
+    return select(p, folded, normal.z < 0.0);
+}
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -15,6 +29,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let state = states[slot];
     let count = state.surface.z;
     var depth = NOWHERE;
+    var normal = vec2<f32>(2.0);
     if state.color.a >= 0.5 * count {
         let ray = ray_of(id.xy + vec2<u32>(frame.size.y, bounds.rows.x), 0u);
         var thickness = 0.0;
@@ -25,6 +40,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             // What is left of white light.
             if dot(exp(-paths.chroma.rgb * thickness), vec3<f32>(1.0 / 3.0)) <= 0.5 {
                 depth = (ray.entry + sample.distance) * frame.picture.w;
+                if paths.surface.w != 0.0 {
+                    normal = packed_normal(normal_of(field_gradient(p)).direction);
+                }
                 break;
             }
         }
@@ -35,7 +53,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     pixel.held_back = 1.0 - state.place / count;
 #endif
     let error = sqrt(state.surface.y / (count * max(count - 1.0, 1.0)));
-    pixel.surface = vec4<f32>(error, count, 0.0, depth);
-    pixel.counts = state.counts;
+    pixel.surface = vec4<f32>(error, normal, depth);
+    pixel.counts = vec4<u32>(state.counts.xyz, u32(count));
     pixels[slot] = pixel;
 }

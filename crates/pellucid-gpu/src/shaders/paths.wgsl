@@ -26,7 +26,8 @@ struct Paths {
     // columns and rows, 0 of another sky.
     picture: vec4<f32>,
     picture_size: vec4<u32>,
-    // How far in front of its collision a surface is lit: in mean free paths, and at most in steps.
+    // How far in front of its collision a surface is lit: in mean free paths, and at most in steps; how bright a path
+    // may be; 1 if there are surfaces.
     surface: vec4<f32>,
     // Factors of the extinction for each colour; 1 if they differ (K-13).
     chroma: vec4<f32>,

@@ -40,14 +40,17 @@ pub struct PathTrace {
     /// clouds are lit where they are. Default 0, which is free of bias.
     pub surface_depth: f32,
     /// Whether noise is taken out of the picture's colours: pixels around that are alike up to their noise, as deep,
-    /// facing alike and covered alike, exchange their light. None of it is lost, but its place is no longer free of
-    /// bias. The frame's noise is that of the paths. Default false.
+    /// facing alike and covered alike, exchange their light, and speckles (fireflies) are spread over wide surroundings.
+    /// None of it is lost, but its place is no longer free of bias. 16 samples a pixel then look like 64 to 100 without
+    /// it. The frame's noise is that of the paths. Default false.
     pub denoise: bool,
     /// How bright a path may be, 0 or more: one with a higher luminance, of which 1 is white, is held to it in its own
     /// colour. Rare bright paths are the speckles (fireflies) that fall slowest with more samples; what is held back is
-    /// missing from the picture, which is darker by a share that the renderer of the processor reports.
-    /// Keep it well above the brightest that is seen. Default 0,
-    /// which holds nothing back and is free of bias.
+    /// missing from the picture, which is darker by a share that the renderer of the processor reports, most of all
+    /// where light is focused: highlights, and rims of clouds in front of the sun. Keep it well above the brightest that
+    /// is seen. On a cloud under a sun of 1.7, 4 takes 0.05 % of the light and gains 0.03 dB at 64 samples a pixel, and
+    /// 10 does nothing; `denoise` gains 6 dB and keeps all light: try that first. Default 0, which holds nothing back
+    /// and is free of bias.
     pub firefly_clamp: f32,
     /// What bounds the extinction where paths look for their next collision. Default local.
     pub majorants: Majorants,
@@ -84,6 +87,10 @@ pub enum Majorants {
 }
 
 impl PathTrace {
+    /// Fewest paths by which [`noise`](Self::noise) is judged: of fewer, dark pixels are often not without noise but
+    /// unlucky.
+    pub const LEAST_TO_JUDGE: u32 = 64;
+
     pub(super) fn check(&self, path: &str) -> Checked {
         require((1..=1 << 20).contains(&self.samples), path, "samples", self.samples, "1 to 1048576")?;
         require(self.bounces <= 100_000, path, "bounces", self.bounces, "0 to 100000")?;

@@ -42,6 +42,13 @@ impl Failure {
         Self { code: CANCELLED, ..Self::input("cancelled, no picture was written") }
     }
 
+    /// The user stopped it, and what there was is in a file.
+    pub fn interrupted([taken, asked]: [u32; 2], kept: &Path) -> Self {
+        let kept = kept.display();
+        let message = format!("interrupted: the picture of {taken} of {asked} samples a pixel is in {kept}");
+        Self { code: CANCELLED, ..Self::input(message) }
+    }
+
     /// The same with another exit code.
     pub fn code(self, code: u8) -> Self {
         Self { code, ..self }

@@ -30,13 +30,20 @@ pub fn listen() -> Cancel {
 
 /// Does work that watches the switch of [`listen`].
 pub fn gracefully<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    match stoppable(work) {
+        (done, None) => done,
+        // The work may have been over by then.
+        (_, Some(code)) => Err(Failure::cancelled().code(code)),
+    }
+}
+
+/// Does work that watches the switch of [`listen`] and may have something to show when it is stopped: what it came to,
+/// and, if a signal stopped it, the exit code. From then on, another signal ends the command at once.
+pub fn stoppable<T>(work: impl FnOnce() -> Result<T, Failure>) -> (Result<T, Failure>, Option<u8>) {
     STATE.store(GRACEFUL, Ordering::SeqCst);
     let done = work();
-    match STATE.compare_exchange(GRACEFUL, AT_ONCE, Ordering::SeqCst, Ordering::SeqCst) {
-        Ok(_) => done,
-        // The work may have been over by then.
-        Err(signal) => Err(Failure::cancelled().code(128 + signal as u8)),
-    }
+    let signal = STATE.compare_exchange(GRACEFUL, AT_ONCE, Ordering::SeqCst, Ordering::SeqCst).err();
+    (done, signal.map(|signal| 128 + signal as u8))
 }
 
 #[cfg(unix)]

@@ -43,7 +43,8 @@ Exit codes:
     0  fine
     1  something failed while working: a file could not be written, no threads, no memory
     2  the input or the command line is wrong
-  130  cancelled with Ctrl-C; nothing half-written is left behind
+  130  cancelled with Ctrl-C; nothing half-written is left behind. Path tracing keeps the picture of
+       the samples it has by then; Ctrl-C once more quits at once
   128 + N  ended by another signal, as 143 by SIGTERM and 129 by SIGHUP; nothing is left behind, either
 
 Try:

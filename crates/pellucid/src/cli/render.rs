@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use pellucid::field::memory;
 use pellucid::io::IoError;
-use pellucid::scene::{Cancel, Control, Format, Frame, ImageSettings, Scene, Stage};
-use pellucid::{PngDepth, Progressive, Renderer, save_exr, save_png};
+use pellucid::scene::{Cancel, Control, Format, Frame, ImageSettings, Scene, Stage, Technique};
+use pellucid::{Passes, PngDepth, Progressive, RenderError, Renderer, save_exr, save_png};
 use serde_json::{Value, json};
 
 use super::engine::Engine;
@@ -98,7 +98,14 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let base = args.input.open(&args.raw)?;
     let scene = args.scene.apply(&base.scene)?;
     args.output.check()?;
-    affordable(&scene.image, if args.accumulate > 1 { 2 } else { 1 })?;
+    let held = match &scene.technique {
+        // The denoiser's planes are as much as two frames.
+        Technique::PathTrace(settings) if settings.denoise => 4,
+        Technique::PathTrace(_) => 2,
+        _ if args.accumulate > 1 => 2,
+        _ => 1,
+    };
+    affordable(&scene.image, held)?;
     let mut idle = args.engine.check()?;
     idle.extend(args.output.idle());
     drawable(&scene, &base)?;
@@ -118,15 +125,20 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     let Some(output) = &args.output.output else { return Ok(()) };
 
-    let (frame, backend) = interrupt::gracefully(|| {
+    let (drawn, stopped) = interrupt::stoppable(|| {
         let mut renderer = args.engine.suited_to(&scene.technique).renderer()?;
         let backend = renderer.describe();
         let engine = renderer.choices(&stage)?;
         engine.iter().for_each(|choice| report.say(choice));
         choices.extend(engine);
-        let frame = draw(renderer, stage, args.accumulate.into(), &cancel, report)?;
-        Ok((frame, backend))
-    })?;
+        let drawn = draw(renderer, stage, args.accumulate.into(), &cancel, report)?;
+        Ok((drawn, backend))
+    });
+    let (Drawn { frame, samples }, backend) = match (drawn, stopped) {
+        (Ok(kept @ (Drawn { samples: Some(_), .. }, _)), Some(_)) => kept,
+        (_, Some(code)) => return Err(Failure::cancelled().code(code)),
+        (drawn, None) => drawn?,
+    };
     let saving = Instant::now();
     args.output.save(output, &frame, &scene.image)?;
     let save_seconds = saving.elapsed().as_secs_f64();
@@ -153,6 +165,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             "width": frame.width,
             "height": frame.height,
             "frames": args.accumulate,
+            "samples_per_pixel": samples.map(|[taken, asked]| json!({ "taken": taken, "asked": asked })),
             "timings": {
                 "load_seconds": load_seconds,
                 "setup_seconds": frame.statistics.setup_seconds,
@@ -162,18 +175,51 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             "statistics": statistics(&frame),
         }))?;
     }
-    Ok(())
+    match (stopped, samples) {
+        (Some(code), Some(samples)) => Err(Failure::interrupted(samples, output).code(code)),
+        _ => Ok(()),
+    }
+}
+
+/// A picture.
+struct Drawn {
+    frame: Frame,
+    /// Samples of each pixel that it has, and those that were asked for, if it may have fewer.
+    samples: Option<[u32; 2]>,
 }
 
 /// Draws frames and averages them.
-fn draw(renderer: Renderer, stage: Stage, frames: u32, cancel: &Cancel, report: Report) -> Result<Frame, Failure> {
+fn draw(renderer: Renderer, stage: Stage, frames: u32, cancel: &Cancel, report: Report) -> Result<Drawn, Failure> {
     let progress = Progress::new("drawing", report.quiet);
+    if let Some(settings) = stage.path_trace().cloned() {
+        return trace(Passes::new(renderer, stage, settings).with_frames(frames), cancel, report, &progress);
+    }
     let mut progressive = Progressive::new(renderer, stage).with_preview(None).with_frames(frames);
     for done in 0..frames {
         let tell = |share| progress.report((f64::from(done) + share) / f64::from(frames));
         progressive.step(&Control { progress: Some(&tell), cancel: Some(cancel) })?;
     }
-    Ok(progressive.into_frame())
+    Ok(Drawn { frame: progressive.into_frame(), samples: None })
+}
+
+/// Traces paths until there are enough of them, or until they are stopped: what there is by then is a picture, too.
+fn trace(mut passes: Passes, cancel: &Cancel, report: Report, progress: &Progress) -> Result<Drawn, Failure> {
+    let tell = |share| progress.report(share);
+    let control = Control { progress: Some(&tell), cancel: Some(cancel) };
+    loop {
+        match passes.step(&control) {
+            Ok(true) => {}
+            Ok(false) => break,
+            Err(RenderError::Cancelled) if passes.taken() > 0 => {
+                report.say("interrupted: writing the picture so far; once more quits at once");
+                break;
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+    let samples = Some([passes.taken(), passes.asked()]);
+    // Whoever does not want to wait for this interrupts once more.
+    Ok(Drawn { frame: passes.into_frame(&Control::default())?, samples })
 }
 
 impl OutputFlags {

@@ -1,6 +1,7 @@
 //! Pictures that come soon and get better.
 
 mod mean;
+mod passes;
 mod preview;
 mod rays;
 
@@ -11,6 +12,7 @@ use pellucid_optics::Lighting;
 use pellucid_scene::{Control, Frame, ResolveError, Stage, Viewpoint};
 
 use crate::{RenderError, Renderer};
+pub use passes::Passes;
 use preview::Pace;
 use rays::Rays;
 
@@ -213,7 +215,7 @@ impl Progressive {
         draw(&mut self.renderer, &mut self.stage, rays, control, frame)?;
         self.pace.whole(&frame.statistics);
         if frames > 1 {
-            mean::average(&mut self.shown, &self.next, frames);
+            mean::average(&mut self.shown, &self.next, 1.0 / frames as f32);
         }
         Ok(())
     }

@@ -35,11 +35,7 @@ impl Rays {
             return self;
         }
         let [dx, dy] = offset(k).map(|v| v / f64::from(self.supersampling.max(1)));
-        let seed = match self.jitter {
-            Jitter::Centered => k,
-            Jitter::BlueNoise { seed } => seed.wrapping_add(k),
-        };
-        Self { viewpoint: self.viewpoint.shifted(dx, dy), jitter: Jitter::BlueNoise { seed }, ..self }
+        Self { viewpoint: self.viewpoint.shifted(dx, dy), jitter: another(self.jitter, k), ..self }
     }
 
     /// Gives a stage these rays and returns those it had.
@@ -48,6 +44,15 @@ impl Rays {
         stage.viewpoint = self.viewpoint;
         (stage.quality.jitter, stage.quality.supersampling) = (self.jitter, self.supersampling);
         own
+    }
+}
+
+/// The jitter of frame k of a mean: that of frame 0 is the stage's own.
+pub fn another(own: Jitter, k: u32) -> Jitter {
+    match own {
+        own if k == 0 => own,
+        Jitter::Centered => Jitter::BlueNoise { seed: k },
+        Jitter::BlueNoise { seed } => Jitter::BlueNoise { seed: seed.wrapping_add(k) },
     }
 }
 
