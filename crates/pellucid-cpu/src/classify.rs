@@ -109,9 +109,20 @@ fn position<S: Lanes>(s: S, nodes: &Nodes, values: F32<S>) -> F32<S> {
 /// that they had without it.
 #[inline(never)]
 fn between_knots<S: Lanes>(s: S, knots: &[[f32; 4]], values: F32<S>) -> F32<S> {
+    /// So many are passed one after the other in the time that gathers take to halve more of them.
+    const FEW: usize = 16;
     s.vectorize(
         #[inline(always)]
         || {
+            if knots.len() <= FEW {
+                let mut last = [splat(s, 0.0); 3];
+                for (k, knot) in knots.iter().enumerate() {
+                    let passed = if k == 0 { all(s, true) } else { values.simd_ge(splat(s, knot[0])) };
+                    last = xyz!(I => passed.select(splat(s, knot[I]), last[I]));
+                }
+                let [value, node, slope] = last;
+                return (values - value).mul_add(slope, node);
+            }
             let base = knots.as_ptr().cast::<f32>();
             let (mut at, mut step) = (whole(s, 0), knots.len() / 2);
             while step > 0 {
@@ -303,7 +314,7 @@ impl Segments<'_> {
         let y = limited(s, position(s, nodes, back), last);
         let mut rgba = self.bilinear(s, x, y);
         if (lanes & length.simd_ne(splat(s, 1.0))).any_true() {
-            rgba = segment_over(s, rgba, self.bilinear(s, y, x), length);
+            rgba = self.over(s, rgba, [x, y], length);
         }
         // Segments that leave the domain are composed of parts, which is rare.
         let [low, high] = nodes.ends();
@@ -319,6 +330,16 @@ impl Segments<'_> {
             }
         }
         rgba
+    }
+
+    /// Entries of full steps between limited positions over other lengths: those of the ends of rays. A function of its
+    /// own, so that all others find the registers that they had without it.
+    #[inline(never)]
+    fn over<S: Lanes>(&self, s: S, rgba: [F32<S>; 4], [x, y]: [F32<S>; 2], length: F32<S>) -> [F32<S>; 4] {
+        s.vectorize(
+            #[inline(always)]
+            || segment_over(s, rgba, self.bilinear(s, y, x), length),
+        )
     }
 
     /// The entries of full steps between limited positions.
