@@ -39,7 +39,8 @@ impl Grid {
     ///
     /// # Errors
     /// [`FieldError::Dims`], [`FieldError::Affine`], and [`FieldError::Extent`] where neighbouring samples are
-    /// closer than 1e-30 or further apart than 1e30 world units, or any sample is further than 1e35 from the origin.
+    /// closer than 1e-30, or than 1e-13 of how far along their axis they are from the origin, or further apart than 1e30
+    /// world units, or any sample is further than 1e35 from the origin.
     pub fn with_affine(dims: [usize; 3], world_from_index: DAffine3) -> Result<Self, FieldError> {
         let count = dims.iter().try_fold(1usize, |product, &n| product.checked_mul(n));
         if count.is_none_or(|count| count == 0 || count > isize::MAX as usize / 64) {
@@ -61,18 +62,26 @@ impl Grid {
         const FURTHEST: f64 = 1e35;
         /// How far apart voxels have to be for their distance from the origin, or eyes and rays are rounded to visible
         /// parts of voxels.
-        const PRECISION: f64 = 1e-12;
+        const PRECISION: f64 = 1e-13;
         let refuse = |what, found, [least, most]: [f64; 2]| match (least..=most).contains(&found) {
             true => Ok(()),
             false => Err(FieldError::Extent { what, found, least, most }),
         };
+        let spacings = self.spacing();
+        for spacing in spacings {
+            refuse("the distance between two voxels", spacing, SPACINGS)?;
+        }
         let (low, high) = self.world_bounds();
         let furthest = low.abs().max(high.abs()).max_element();
-        for spacing in self.spacing() {
-            let [least, most] = SPACINGS;
-            refuse("the distance between two voxels", spacing, [least.max(PRECISION * furthest), most])?;
+        refuse("the distance of the furthest voxel from the origin", furthest, [0.0, FURTHEST])?;
+        for (axis, spacing) in spacings.into_iter().enumerate() {
+            // Only places along the axis tell its voxels apart.
+            let along = self.world_from_index.matrix3.col(axis) / spacing;
+            let far = self.world_corners().map(|corner| corner.dot(along).abs()).into_iter().fold(0.0, f64::max);
+            let what = "the distance between two voxels that far from the origin";
+            refuse(what, spacing, [PRECISION * far, SPACINGS[1]])?;
         }
-        refuse("the distance of the furthest voxel from the origin", furthest, [0.0, FURTHEST])
+        Ok(())
     }
 
     /// Samples per axis, x, y, z.

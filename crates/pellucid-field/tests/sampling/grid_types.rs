@@ -124,3 +124,16 @@ fn spacings_beyond_single_precision_are_refused() {
     let far = Grid::with_spacing([4; 3], [1.0; 3], [0.0, -1e36, 0.0]).unwrap_err();
     assert!(far.to_string().contains("origin"), "{far}");
 }
+
+/// Double precision has 16 digits: places of voxels and rays have to have some of them to themselves.
+#[test]
+fn voxels_too_small_for_where_they_are_are_refused() {
+    use pellucid_field::Grid;
+    for (spacing, origin) in [(1.0, 1e15), (1.0, 1e18), (1e-14, -1.0), (1e-20, -1.0)] {
+        let error = Grid::with_spacing([16; 3], [spacing; 3], [origin; 3]).unwrap_err().to_string();
+        assert!(error.contains("that far from the origin"), "{error}");
+    }
+    for (spacing, origin) in [(1.0, 1e9), (1.0, -9e11), (1e-11, -1.0), (1e-20, 0.0), (1e-20, 1e-10)] {
+        assert!(Grid::with_spacing([16; 3], [spacing; 3], [origin; 3]).is_ok(), "{spacing} at {origin}");
+    }
+}
