@@ -23,30 +23,48 @@ pub(crate) fn written_type(volume: &Volume, warnings: &mut Vec<Warning>) -> Voxe
     to
 }
 
-/// What is added to every value of a volume of 32 bits on its way into a file of 64-bit ones: there the values are what
-/// they are, whatever a format knows of scales and offsets.
+/// Values of 32 bits that are written in 64, and what is added to each: in the file they are what they are, whatever its
+/// format knows of scales and offsets.
 #[derive(Clone, Copy)]
-pub(crate) enum Wide {
-    /// To integers.
-    Integers(i64),
-    /// To singles that are far from 0 for what they differ by.
-    Doubles(f64),
+pub(crate) enum Wide<'v> {
+    U32(&'v [u32], i64),
+    I32(&'v [i32], i64),
+    /// Far from 0 for what they differ by, so that single precision would lose that.
+    F32(&'v [f32], f64),
 }
 
-impl Wide {
-    /// What is added to the values of a volume, if they would be others without it.
-    pub fn of(volume: &Volume) -> Option<Self> {
+impl<'v> Wide<'v> {
+    /// Those of a volume, if they would be others with 32 bits.
+    pub fn of(volume: &'v Volume) -> Option<Self> {
         let (map, range) = (volume.value_map(), volume.statistics());
         if map.scale != 1.0 || map.offset == 0.0 {
             return None;
         }
-        match volume.voxels().voxel_type() {
-            // Sums of such numbers fit.
-            VoxelType::U32 | VoxelType::I32 if map.offset.fract() == 0.0 && map.offset.abs() <= 9.0e18 => {
-                Some(Self::Integers(map.offset as i64))
-            }
-            VoxelType::F32 if map.offset.abs() > 4.0 * (range.max - range.min) => Some(Self::Doubles(map.offset)),
+        // Sums of such numbers fit.
+        let whole = (map.offset.fract() == 0.0 && map.offset.abs() <= 9.0e18).then_some(map.offset as i64);
+        match volume.voxels() {
+            Voxels::U32(data) => whole.map(|base| Self::U32(data, base)),
+            Voxels::I32(data) => whole.map(|base| Self::I32(data, base)),
+            // Readers count doubles from the smallest where singles would lose about as much.
+            Voxels::F32(data) if map.offset.abs() > 4.0 * (range.max - range.min) => Some(Self::F32(data, map.offset)),
             _ => None,
+        }
+    }
+
+    /// Whether they become integers; doubles, otherwise.
+    pub fn is_integer(&self) -> bool {
+        !matches!(self, Self::F32(..))
+    }
+
+    /// Writes every `stride`th value from the first on.
+    fn write(self, out: &mut impl Write, first: usize, stride: usize) -> io::Result<()> {
+        fn every<T: Copy>(data: &[T], first: usize, stride: usize) -> impl Iterator<Item = T> {
+            data[first..].iter().step_by(stride).copied()
+        }
+        match self {
+            Self::U32(data, base) => write_each(out, every(data, first, stride).map(|value| base + i64::from(value))),
+            Self::I32(data, base) => write_each(out, every(data, first, stride).map(|value| base + i64::from(value))),
+            Self::F32(data, base) => write_each(out, every(data, first, stride).map(|value| base + f64::from(value))),
         }
     }
 }
@@ -84,24 +102,8 @@ fn write_body(file: &mut AtomicFile, volume: &Volume, packing: Packing) -> io::R
 /// Values as they are in memory, or as 64-bit integers.
 pub(crate) fn write_interleaved(out: &mut impl Write, volume: &Volume) -> io::Result<()> {
     match Wide::of(volume) {
-        Some(wide) => write_widened(out, volume.voxels(), wide, 0, 1),
+        Some(wide) => wide.write(out, 0, 1),
         None => write_as_they_are(out, volume.voxels()),
-    }
-}
-
-/// Every `stride`th value from the first on, in 64 bits.
-fn write_widened(out: &mut impl Write, voxels: &Voxels, wide: Wide, first: usize, stride: usize) -> io::Result<()> {
-    match (voxels, wide) {
-        (Voxels::U32(data), Wide::Integers(base)) => {
-            write_each(out, data[first..].iter().step_by(stride).map(|value| base + i64::from(*value)))
-        }
-        (Voxels::I32(data), Wide::Integers(base)) => {
-            write_each(out, data[first..].iter().step_by(stride).map(|value| base + i64::from(*value)))
-        }
-        (Voxels::F32(data), Wide::Doubles(base)) => {
-            write_each(out, data[first..].iter().step_by(stride).map(|value| base + f64::from(*value)))
-        }
-        _ => unreachable!("values of other types are not widened"),
     }
 }
 
@@ -117,7 +119,7 @@ pub(crate) fn write_planar(out: &mut impl Write, volume: &Volume) -> io::Result<
     let components = volume.components();
     for component in 0..components {
         if let Some(wide) = Wide::of(volume) {
-            write_widened(out, volume.voxels(), wide, component, components)?;
+            wide.write(out, component, components)?;
             continue;
         }
         match volume.voxels() {

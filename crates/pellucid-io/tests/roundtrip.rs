@@ -4,7 +4,7 @@ mod common;
 
 use common::{affine_error, dyadic, extremes, oblique, stored};
 use glam::{DAffine3, DMat3, DVec3};
-use pellucid_field::{Grid, ValueMap, Volume, VoxelType, Warning};
+use pellucid_field::{Grid, ValueMap, Volume, Voxel, VoxelType, Warning};
 use pellucid_io::{IoError, Mapping, RawLayout, ReadOptions, WriteOptions, read, write};
 use proptest::prelude::*;
 
@@ -91,37 +91,13 @@ fn value_maps_and_units_survive_or_are_warned_of() {
     }
 }
 
-/// What was read from 64-bit integers is written as such, in formats that know of no offset or only of single precision.
-#[test]
-fn large_identifiers_survive_every_format() {
+/// Values that only an offset tells from others survive every format, whatever that knows of offsets.
+fn survives<T: Voxel>(differences: [T; 6], offset: f64) {
     let folder = tempfile::tempdir().unwrap();
-    let map = ValueMap { scale: 1.0, offset: 1_234_567_890_123.0 };
     for components in [1, 2] {
-        let ids = vec![0u32, 1, u32::MAX, 5, 6, 7];
-        let volume = Volume::with_components(dyadic([6 / components, 1, 1]), ids.clone(), components).unwrap();
-        let volume = volume.with_value_map(map).unwrap();
-        for name in NAMES {
-            let path = folder.path().join(name);
-            let warnings = write(&path, &volume, &options(None)).unwrap();
-            assert!(warnings.is_empty(), "{name}: {warnings:?}");
-            let found = read(&path, &ReadOptions::default()).unwrap().volume;
-            for (place, id) in ids.iter().enumerate() {
-                let value = found.value([place / components, 0, 0], place % components);
-                assert_eq!(value, map.offset + f64::from(*id), "{name}, {place}");
-            }
-        }
-    }
-}
-
-/// What was read from doubles far from 0 is written as such.
-#[test]
-fn doubles_far_from_0_survive_every_format() {
-    let folder = tempfile::tempdir().unwrap();
-    let map = ValueMap { scale: 1.0, offset: 1e9 + 0.25 };
-    for components in [1, 2] {
-        let differences = vec![0.0f32, 0.5, 70.0, 5.25, 6.0, 7.0];
-        let volume = Volume::with_components(dyadic([6 / components, 1, 1]), differences.clone(), components).unwrap();
-        let volume = volume.with_value_map(map).unwrap();
+        let grid = dyadic([6 / components, 1, 1]);
+        let volume = Volume::with_components(grid, differences.to_vec(), components).unwrap();
+        let volume = volume.with_value_map(ValueMap { scale: 1.0, offset }).unwrap();
         for name in NAMES {
             let path = folder.path().join(name);
             let warnings = write(&path, &volume, &options(None)).unwrap();
@@ -129,10 +105,18 @@ fn doubles_far_from_0_survive_every_format() {
             let found = read(&path, &ReadOptions::default()).unwrap().volume;
             for (place, difference) in differences.iter().enumerate() {
                 let value = found.value([place / components, 0, 0], place % components);
-                assert_eq!(value, map.offset + f64::from(*difference), "{name}, {place}");
+                assert_eq!(value, offset + difference.to_f64(), "{name}, {place}");
             }
         }
     }
+}
+
+/// What was read from 64-bit integers and doubles is written as such.
+#[test]
+fn values_far_from_0_survive_every_format() {
+    survives([0u32, 1, u32::MAX, 5, 6, 7], 1_234_567_890_123.0);
+    survives([i32::MIN, i32::MAX, -1, 0, 1, 2], -1_234_567_890_123.0);
+    survives([0.0f32, 0.5, 70.0, 5.25, 6.0, 7.0], 1e9 + 0.25);
 }
 
 #[test]

@@ -25,7 +25,7 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
     let directions = directions.map(|v| words(v.to_array())).join(" ");
     let wide = Wide::of(volume);
     let tag_type = match written_type(volume, &mut warnings) {
-        _ if matches!(wide, Some(Wide::Integers(_))) => "MET_LONG_LONG",
+        _ if wide.is_some_and(|wide| wide.is_integer()) => "MET_LONG_LONG",
         _ if wide.is_some() => "MET_DOUBLE",
         VoxelType::U8 => "MET_UCHAR",
         VoxelType::I8 => "MET_CHAR",

@@ -50,7 +50,7 @@ fn header(path: &Path, volume: &Volume, warnings: &mut Vec<Warning>) -> Result<[
     let mut put = |at: usize, field: &[u8]| bytes[at..at + field.len()].copy_from_slice(field);
     let wide = Wide::of(volume);
     let (datatype, size) = match (written_type(volume, warnings), volume.components()) {
-        _ if matches!(wide, Some(Wide::Integers(_))) => (1024i16, 8),
+        _ if wide.is_some_and(|wide| wide.is_integer()) => (1024i16, 8),
         _ if wide.is_some() => (64, 8),
         (VoxelType::U8, 3) => (128, 3),
         (VoxelType::U8, 4) => (2304, 4),

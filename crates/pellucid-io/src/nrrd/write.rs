@@ -28,14 +28,15 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
     let mut field = |name: &str, value: &str| header.extend([name, ": ", value, "\n"]);
     let wide = Wide::of(volume);
     let type_name = match wide {
-        Some(Wide::Integers(_)) => "int64",
-        Some(Wide::Doubles(_)) => "double",
+        Some(wide) if wide.is_integer() => "int64",
+        Some(_) => "double",
         None => type_name(voxel_type),
     };
     field("type", type_name);
-    match volume.is_anatomical {
-        true => field("space", "left-posterior-superior"),
-        false => field("space dimension", "3"),
+    if volume.is_anatomical {
+        field("space", "left-posterior-superior");
+    } else {
+        field("space dimension", "3");
     }
     if let Some(unit) = &volume.length_unit {
         let unit = one_line(unit);
