@@ -93,8 +93,13 @@ impl Device {
     /// # Errors
     /// As [`Linker::link`].
     pub(crate) fn link(&self, variant: &Variant) -> Result<Module, GpuError> {
-        // What a panic left half made is not used: a linker takes what it has whole, or makes it again.
-        let mut linker = self.linker.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut linker = self.linker.lock().unwrap_or_else(|left| {
+            // What a panic left half made is not known: it is made again.
+            self.linker.clear_poison();
+            let mut linker = left.into_inner();
+            *linker = Linker::default();
+            linker
+        });
         linker.link(variant, self.constants())
     }
 
