@@ -305,26 +305,47 @@ fn presets_are_written_edited_and_given_back() {
         succeed_in(path, &[&fixed, flags].concat());
         picture(&path.join("a.png")).pixels
     };
+    // To both sides of a background, further to one: a preset of such data chooses its window in its own way.
+    let value = |k: usize| match [k % 12, k / 12 % 12, k / 144].map(|i| (2..5).contains(&i)) {
+        [true, true, true] => "-3",
+        _ if [k % 12, k / 12 % 12, k / 144].iter().all(|i| (7..11).contains(i)) => "2",
+        _ => "0",
+    };
+    let values: Vec<&str> = (0..12 * 12 * 12).map(value).collect();
+    let header = "NRRD0004\ntype: float\ndimension: 3\nsizes: 12 12 12\nencoding: ascii\n\n";
+    write(path, "signed.nrrd", header.to_owned() + &values.join(" "));
     for preset in pellucid::optics::Preset::all() {
         let name = preset.name.as_str();
-        let input = if name.starts_with("ct") { "sample:head@12x16x16" } else { "sample:wavelet@12x12x12" };
         write(path, "look.toml", succeed_in(path, &["presets", name]));
         write(path, "look.json", succeed_in(path, &["presets", name, "--json"]));
-        let windows: [&[&str]; 2] = [&[], &["--window", "50,250"]];
-        for window in if name.starts_with("ct") { &windows[..1] } else { &windows } {
+        let pictures: &[(&str, &[&str])] = if name.starts_with("ct") {
+            &[("sample:head@12x16x16", &[])]
+        } else {
+            &[
+                ("sample:wavelet@12x12x12", &[]),
+                ("sample:wavelet@12x12x12", &["--window", "50,250"]),
+                ("signed.nrrd", &[]),
+            ]
+        };
+        for (input, window) in pictures {
             let named = draw(input, &[&["--preset", name], *window].concat());
             for file in ["look.toml", "look.json"] {
-                assert!(named == draw(input, &[&["--transfer-function", file], *window].concat()), "{name} {file}");
+                let given = draw(input, &[&["--transfer-function", file], *window].concat());
+                assert!(named == given, "{name} {file} {input}");
             }
         }
+        // What nobody changed is no mistake of theirs.
+        let again = ["render", pictures[0].0, "--size", "8x8", "-o", "a.png", "--transfer-function", "look.toml"];
+        let said = run_in(path, &again);
+        assert!(!text(&said.stderr).contains("no effect"), "{name}: {}", text(&said.stderr));
     }
-    let text = succeed_in(path, &["presets", "ct-bone"]);
-    let edited = text.replace("shading = true", "shading = false");
-    assert_ne!(text, edited);
+    let bone = succeed_in(path, &["presets", "ct-bone"]);
+    let edited = bone.replace("shading = true", "shading = false");
+    assert_ne!(bone, edited);
     write(path, "look.toml", edited);
     let [own, named] = [["--transfer-function", "look.toml"], ["--preset", "ct-bone"]];
     assert_ne!(draw("sample:head@12x16x16", &own), draw("sample:head@12x16x16", &named));
-    write(path, "look.toml", text.replace("shading = true", "shading = 3"));
+    write(path, "look.toml", bone.replace("shading = true", "shading = 3"));
     let said = fail_in(path, &["render", "sample:ball", "-o", "a.png", "--transfer-function", "look.toml"], 2);
     assert!(said.contains("boolean"), "{said}");
 }
