@@ -245,17 +245,22 @@ fn window_of(
         ),
         _ => ([low, high], "all values but outliers".to_owned()),
     };
-    // Wide enough to differ in 32 bits, where they may be differences.
+    // Wide enough for what is in between to differ: in 32 bits, where values may be differences, and in the 64 of control
+    // points.
     let size = |value: f64| (value - origin.unwrap_or(0.0)).abs();
     let least = (size(low).max(size(high)) * 1e-6).max(f64::from(f32::MIN_POSITIVE));
+    let least = least.max(64.0 * f64::EPSILON * low.abs().max(high.abs()));
     if high - low > least {
         return ([low, high], why);
     }
-    let ends = (population.values().first(), population.values().last());
-    if let (Some(low), Some(high)) = ends
-        && high - low > least
-    {
-        return ([*low, *high], "the range of the data".to_owned());
+    if let (Some(&low), Some(&high)) = (population.values().first(), population.values().last()) {
+        if high - low > least {
+            return ([low, high], "the range of the data".to_owned());
+        }
+        if high > low && origin.is_some() {
+            let (middle, half) = ((low + high) / 2.0, least / 2.0);
+            return ([middle - half, middle + half], "around the data, as wide as numbers so large need".to_owned());
+        }
     }
     let half = (low.abs() * 1e-3).max(0.5);
     ([low - half, low + half], "around the only value there is".to_owned())

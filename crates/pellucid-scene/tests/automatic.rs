@@ -122,6 +122,32 @@ fn hopeless_data_have_a_look() {
     }
 }
 
+/// Values far from 0 that differ by little: the window and the words are as fine as the values.
+#[test]
+fn values_far_from_0_are_told_apart() {
+    use pellucid_field::ValueMap;
+    let map = |offset| ValueMap { scale: 1.0, offset };
+    let ids = volume(by_radius(|r| u32::from(r < 6.0))).with_value_map(map(1_099_511_627_777.0)).unwrap();
+    let times = volume(by_radius(|r| if r < 6.0 { 0.5f32 } else { 0.0 })).with_value_map(map(1e9 + 0.25)).unwrap();
+    for (volume, ends) in [(ids, ["1099511627777", "1099511627778"]), (times, ["1000000000.25", "1000000000.75"])] {
+        let range = volume.statistics().max - volume.statistics().min;
+        let (stage, choices) = resolve(volume, Mode::Composite);
+        // The look of micro-CT begins at a tenth of its window.
+        let share = (window(&stage)[1] - window(&stage)[0]) / range;
+        assert!((0.85..=1.0).contains(&share), "{share} {choices:?}");
+        let said = format!("{} {}", chose(&choices, "preset"), chose(&choices, "window"));
+        ends.iter().for_each(|end| assert!(said.contains(end), "{said}"));
+    }
+    // Where doubles are whole numbers, a look does not fit between two of them.
+    for power in [50, 52, 53] {
+        let offset = f64::from(power).exp2() + 1.0;
+        let ids = volume(by_radius(|r| if r < 6.0 { 2u32 } else { 0 })).with_value_map(map(offset)).unwrap();
+        let (stage, choices) = resolve(ids, Mode::Composite);
+        let [low, high] = window(&stage);
+        assert!(low < 0.0 && high > 2.0 && high - low < 300.0, "2^{power}: {low} to {high}, {choices:?}");
+    }
+}
+
 fn window(stage: &Stage) -> [f64; 2] {
     stage.volumes[0].transfer_function.hull()
 }
