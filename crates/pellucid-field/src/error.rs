@@ -26,7 +26,8 @@ pub enum FieldError {
     /// Voxels so small, so large or so far away that single precision, in which light and gradients are computed,
     /// has no numbers for them.
     #[error(
-        "{what} is {found:e} world units: {least:e} to {most:e} can be drawn; state lengths in another unit or correct the spacing"
+        "{what} is {} world units: {} to {} can be drawn; state lengths in another unit or correct the spacing",
+        Short(*found), Short(*least), Short(*most)
     )]
     Extent {
         /// What is too small or too large.
