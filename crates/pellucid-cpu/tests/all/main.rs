@@ -1,0 +1,30 @@
+//! The tests of the crate that need no process of their own, in one program: one link instead of many.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../reference/mod.rs"]
+mod reference;
+
+mod absent;
+mod adaptive;
+mod agreement;
+mod aligned;
+mod chroma;
+mod classification;
+mod clipping;
+mod cut;
+mod extremes;
+mod gradients;
+mod half_angle;
+mod homogeneous;
+mod instruction_sets;
+mod invariance;
+mod isosurface;
+mod leaps;
+mod path_lights;
+mod path_sights;
+mod path_trace;
+mod perturbation;
+mod projection;
+mod shadows;
+mod values;
