@@ -161,8 +161,9 @@ fn paint_face<N: Number>(tissue: &mut Tissue<N>, cavity: N, skin: N, rods: &Rods
     let pterygoid = ellipsoid(pair, v(14.0, -32.0, -44.0), v(1.3, 9.0, 17.0));
     let face = join(join(maxilla, alveolar, 6.0), join(rim, rods.arch.distance(pair, REACH), 6.0), 4.0);
     let face = join(face, join(join(join(nasal, bridge, 5.0), frontal_process, 6.0), glabella, 6.0), 5.0);
-    // The brow grows out of the braincase.
-    let forehead = common(cavity - 3.0, p[1] + 40.0, 4.0);
+    // The brow grows out of the braincase, whose spongy bone begins above it little by little.
+    let above = ((p[2] - 6.0) * (1.0 / 32.0)).smoothstep();
+    let forehead = common(cavity - 3.0 + above * 12.0, p[1] + 40.0, 4.0);
     let face = join(face, forehead, 9.0).min(pterygoid);
     tissue.fill(hu::BONE, common(face, skin + 3.5, 3.0), EDGE);
     tissue.fill(hu::SPONGE, join(alveolar, maxilla, 6.0) + 2.2, 2.0);
