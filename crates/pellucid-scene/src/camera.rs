@@ -134,6 +134,15 @@ impl Camera {
         }
     }
 
+    /// Whether anything is left to framing: the target, the distance or the height of parallel rays.
+    pub fn frames(&self) -> bool {
+        let open = match &self.view {
+            View::Orbit(orbit) => orbit.target.is_none() || orbit.distance.is_none(),
+            View::LookAt(_) => false,
+        };
+        open || matches!(self.projection, Projection::Orthographic { height: None })
+    }
+
     /// The explicit camera for a picture of `width` x `height` pixels. Where target, distance or
     /// height are left automatic, it frames all of `corners`, see [`Camera::framing`].
     pub fn viewpoint(&self, width: usize, height: usize, corners: &[DVec3]) -> Viewpoint {
@@ -194,10 +203,8 @@ impl Camera {
             };
             Framed { target, distance: (eye - depth).max(0.0), reach: reach * MARGIN }
         };
-        let free = target.is_none() || distance.is_none();
-        let free = free || matches!(self.projection, Projection::Orthographic { height: None });
         // What is given in full asks nothing of the data.
-        let framed = if free { framed() } else { Framed { target: DVec3::ZERO, distance: 0.0, reach: 0.0 } };
+        let framed = if self.frames() { framed() } else { Framed { target: DVec3::ZERO, distance: 0.0, reach: 0.0 } };
         let half_height = match (tangent, self.projection) {
             (Some(tangent), _) => tangent,
             (None, Projection::Orthographic { height: Some(height) }) => height / 2.0,

@@ -30,7 +30,7 @@ impl<'v> Framed<'v> {
             && let Some(normal) = slice.normal
         {
             let (normal, point) =
-                (DVec3::from_array(normal).normalize(), slice.point.map_or(grid.center(), DVec3::from));
+                (DVec3::from_array(normal).normalize(), slice.point.map_or_else(|| volume.middle(), DVec3::from));
             // A plane without a thickness has no corners of its own.
             let half = normal * (slice.thickness / 2.0).max(1e-6 * grid.smallest_spacing());
             region.keep(normal, point - half);

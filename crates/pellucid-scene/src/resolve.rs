@@ -50,6 +50,17 @@ impl StageVolume {
     pub fn unit_distance(&self) -> f64 {
         self.transfer_function.unit_distance().unwrap_or_else(|| self.volume.grid().mean_spacing())
     }
+
+    /// The world position in the middle of what the crop leaves of the grid.
+    pub fn middle(&self) -> DVec3 {
+        let grid = self.volume.grid();
+        let (low, high) = grid.index_bounds();
+        let left = self.crop.map_or((low, high), |crop| {
+            let [from, to] = [crop.from, crop.to].map(|bound| DVec3::from_array(bound).clamp(low, high));
+            (from, to)
+        });
+        grid.world_from_index().transform_point3((left.0 + left.1) / 2.0)
+    }
 }
 
 /// A scene with nothing left to choose: what a backend draws.

@@ -101,6 +101,7 @@ struct Need {
 /// Settings and their needs; the first that is not met is told. Settings of speed alone are not here: the picture never
 /// depends on them.
 const NEEDS: &[(&str, &[Need])] = &[
+    ("camera.frame", &[FREE]),
     ("camera.view.orbit.distance", &[FROM_A_POINT]),
     ("volumes[].window", &[CLASSIFIED_OR_PRESET, SPREAD]),
     ("volumes[].preset", &[NO_TRANSFER_FUNCTION_OR_SURFACE, CLASSIFIED_OR_SHADED]),
@@ -151,6 +152,8 @@ const FROM_A_POINT: Need = Need {
     },
     otherwise: "parallel rays show the same from any distance in front of the volume; only depths count from the eye",
 };
+
+const FREE: Need = Need { is_met: |drawn| drawn.scene.camera.frames(), otherwise: "the camera is given in full" };
 
 const CLASSIFIED: Need = Need {
     is_met: |drawn| match drawn.stage.mode() {

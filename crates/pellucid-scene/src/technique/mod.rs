@@ -96,7 +96,7 @@ fn one() -> f32 {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Slice {
-    /// World position the plane passes through; left out, the middle of the volume.
+    /// World position the plane passes through; left out, the middle of what the crop leaves of the volume.
     pub point: Option<[f64; 3]>,
     /// Direction perpendicular to the plane; left out, the direction of view.
     pub normal: Option<[f64; 3]>,
