@@ -119,9 +119,20 @@ impl<'a> Reference<'a> {
         })
     }
 
+    /// The middle of the voxels that a crop leaves, or of all of them.
+    fn middle(&self) -> DVec3 {
+        let grid = self.staged.volume.grid();
+        let middle = |axis: usize| {
+            let last = (grid.dims()[axis] - 1) as f64;
+            let [from, to] = self.staged.crop.map_or([0.0, last], |crop| [crop.from[axis], crop.to[axis]]);
+            (from.max(0.0) + to.min(last)) / 2.0
+        };
+        grid.world_from_index().transform_point3(DVec3::from_array([0, 1, 2].map(middle)))
+    }
+
     /// Point and unit normal of a slice.
     fn plane(&self, slice: &Slice) -> [DVec3; 2] {
-        let point = slice.point.map_or_else(|| self.staged.volume.grid().center(), DVec3::from_array);
+        let point = slice.point.map_or_else(|| self.middle(), DVec3::from_array);
         let normal = slice.normal.map_or(-self.stage.viewpoint.forward, DVec3::from_array);
         [point, normal.normalize()]
     }
