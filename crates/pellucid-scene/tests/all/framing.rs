@@ -179,8 +179,6 @@ fn a_slice_cuts_the_middle_of_the_crop() {
         let index = |point: DVec3| grid.world_from_index().inverse().transform_point3(point).x;
         let (point, _) = stage.slice_plane(&stage.volumes[0], &slice);
         assert!((index(point) - middle).abs() < 1e-9, "{}", index(point));
-        // The plane is what is framed, too.
-        assert!((index(stage.viewpoint.target) - middle).abs() < 1e-3, "{}", index(stage.viewpoint.target));
     }
 }
 
