@@ -212,10 +212,10 @@ fn flags_without_effect_are_called_by_their_names() {
         let warning =
             |line: &str| line.starts_with(&format!("pellucid: warning: {name} ha")) && line.contains("no effect: ");
         assert!(both.0.lines().any(warning), "{first:?} {second:?}: {}", both.0);
-        // Parallel rays from another distance round a sample at an edge to its other side.
-        let farthest = before.1.as_flattened().iter().zip(both.1.as_flattened()).map(|(a, b)| (a - b).abs());
-        let farthest = farthest.fold(0.0, f32::max);
-        assert!(farthest < 0.02, "{first:?} {second:?}: {farthest}");
+        let apart = before.1.as_flattened().iter().zip(both.1.as_flattened()).map(|(a, b)| (a - b).abs());
+        // Places along parallel rays are rounded anew where their eye stands elsewhere: a level or a few at edges.
+        let bound = if name == "--distance" { 0.02 } else { 0.0 };
+        assert!(apart.fold(0.0, f32::max) <= bound, "{first:?} {second:?}");
     }
     let exr = run_in(
         path,
