@@ -29,8 +29,7 @@ impl<'v> Framed<'v> {
         if let Mode::Slice(slice) = mode
             && let Some(normal) = slice.normal
         {
-            let (normal, point) =
-                (DVec3::from_array(normal).normalize(), slice.point.map_or_else(|| volume.middle(), DVec3::from));
+            let (normal, point) = (DVec3::from_array(normal).normalize(), volume.slice_point(slice));
             // A plane without a thickness has no corners of its own.
             let half = normal * (slice.thickness / 2.0).max(1e-6 * grid.smallest_spacing());
             region.keep(normal, point - half);

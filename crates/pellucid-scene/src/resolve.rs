@@ -17,7 +17,7 @@ use crate::brightness::brightness;
 use crate::choice::Choice;
 use crate::framing::Framed;
 use crate::origin::{counted_from, origin_of};
-use crate::{Crop, ImageSettings, Invalid, Mode, Quality, Region, Scene, Technique, Viewpoint, VolumeEntry};
+use crate::{Crop, ImageSettings, Invalid, Mode, Quality, Region, Scene, Slice, Technique, Viewpoint, VolumeEntry};
 
 /// A volume with its optics, nothing left to choose.
 #[derive(Clone, Debug)]
@@ -51,15 +51,18 @@ impl StageVolume {
         self.transfer_function.unit_distance().unwrap_or_else(|| self.volume.grid().mean_spacing())
     }
 
-    /// The world position in the middle of what the crop leaves of the grid.
-    pub fn middle(&self) -> DVec3 {
+    /// The world position that a slice passes through: its own, or the middle of what the crop leaves of the grid.
+    pub fn slice_point(&self, slice: &Slice) -> DVec3 {
+        slice.point.map_or_else(|| self.middle(), DVec3::from_array)
+    }
+
+    fn middle(&self) -> DVec3 {
         let grid = self.volume.grid();
-        let (low, high) = grid.index_bounds();
-        let left = self.crop.map_or((low, high), |crop| {
-            let [from, to] = [crop.from, crop.to].map(|bound| DVec3::from_array(bound).clamp(low, high));
-            (from, to)
-        });
-        grid.world_from_index().transform_point3((left.0 + left.1) / 2.0)
+        let (mut from, mut to) = grid.index_bounds();
+        if let Some(crop) = self.crop {
+            [from, to] = [crop.from, crop.to].map(|bound| DVec3::from_array(bound).clamp(from, to));
+        }
+        grid.world_from_index().transform_point3((from + to) / 2.0)
     }
 }
 

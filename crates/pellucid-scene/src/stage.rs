@@ -201,7 +201,7 @@ impl Stage {
 
     /// A slice's point and unit normal, with their automatic values filled in.
     pub fn slice_plane(&self, volume: &StageVolume, slice: &Slice) -> (DVec3, DVec3) {
-        let point = slice.point.map_or_else(|| volume.middle(), DVec3::from_array);
+        let point = volume.slice_point(slice);
         let normal = slice.normal.map_or(-self.viewpoint.forward, DVec3::from_array);
         (point, normal.normalize())
     }

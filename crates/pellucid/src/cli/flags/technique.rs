@@ -102,7 +102,7 @@ pub struct TechniqueFlags {
     #[arg(long, value_name = "axial|coronal|sagittal|NX,NY,NZ", value_parser = plane, allow_hyphen_values = true)]
     slice: Option<Plane>,
     /// Where the slice is: a world position, or percent of the way through the volume along the
-    /// normal (from feet to head, front to back, right to left) [default: the middle]
+    /// normal (from feet to head, front to back, right to left) [default: the middle, of the crop if there is one]
     #[arg(long, value_name = "X,Y,Z|PERCENT%", value_parser = position, allow_hyphen_values = true)]
     at: Option<Position>,
     /// Thickness of the slice in world units; 0 is a plane [default: 0]
