@@ -63,6 +63,7 @@ pub use renderer::{Backend, RenderError, Renderer};
 pub use save::{PngDepth, SaveError, save, save_exr, save_png};
 
 pub use glam;
+pub use pellucid_cpu as cpu;
 pub use pellucid_field as field;
 #[cfg(feature = "gpu")]
 pub use pellucid_gpu as gpu;

@@ -3,7 +3,6 @@
 //! After a change that is meant to be seen: look at the pictures, then store those that changed, and
 //! those of new scenes, with `PELLUCID_BLESS=1 cargo test -p pellucid --test gallery`.
 
-#[path = "common/gallery.rs"]
 mod common;
 
 use std::collections::BTreeSet;

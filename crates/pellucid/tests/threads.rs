@@ -1,7 +1,6 @@
 //! Nothing that the library does touches rayon's global pool, which panics where the system has no threads to give and
 //! whose stacks are small. A binary of its own: the pool of this process is made unusable.
 
-#[path = "common/gallery.rs"]
 mod common;
 
 use pellucid::field::{

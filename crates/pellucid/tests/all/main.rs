@@ -1,16 +1,11 @@
 //! The tests of the crate that need no process of their own, in one program: one link instead of many.
 
-#[path = "../common/mod.rs"]
-mod common;
 #[path = "../../../pellucid-gpu/tests/common/mod.rs"]
 mod gpu_common;
-#[path = "../common/gallery.rs"]
+#[path = "../common/mod.rs"]
 mod scenes;
 
-mod bench;
-mod commands;
 mod effect;
-mod flags;
 mod gpu;
 mod gpu_fields;
 mod gpu_values;
@@ -19,8 +14,4 @@ mod load_optics;
 mod models;
 mod passes;
 mod progressive;
-mod readme;
 mod real_data;
-mod render;
-mod untrusted;
-mod words;

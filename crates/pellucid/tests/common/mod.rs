@@ -1,68 +1,66 @@
-//! Runs the command.
+//! The scenes of `scenes/`, and how far two pictures are apart.
 
 #![allow(dead_code)] // Every test file uses its own part.
 
-use std::path::Path;
-use std::process::{Command, Output};
+use std::path::{Path, PathBuf};
 
-use pellucid::io::Picture;
-use serde_json::Value;
+use pellucid::gpu::{AdapterChoice, Ceiling, Device, GpuRenderer, Interpolation};
+use pellucid::scene::{Control, Format, Frame, Scene, Stage};
+use pellucid::{Backend, Renderer, load, load_optics};
 
-/// The command, not yet started.
-pub fn command(args: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pellucid"));
-    // As in every session: without it Mesa's drivers complain on standard error of their own accord.
-    command.args(args).env("XDG_RUNTIME_DIR", std::env::temp_dir());
-    command
+/// Where the scenes are.
+pub fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes")
 }
 
-/// Runs the command to its end in a folder.
-pub fn run_in(folder: &Path, args: &[&str]) -> Output {
-    command(args).current_dir(folder).output().expect("the command starts")
+/// All scenes, by name.
+pub fn scenes() -> Vec<PathBuf> {
+    let mut scenes: Vec<PathBuf> = std::fs::read_dir(folder())
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+        .collect();
+    scenes.sort();
+    scenes
 }
 
-/// Standard output of a command that must succeed.
-pub fn succeed_in(folder: &Path, args: &[&str]) -> String {
-    let output = run_in(folder, args);
-    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", text(&output.stderr));
-    text(&output.stdout)
+/// What a scene, or its picture, is called.
+pub fn name_of(path: &Path) -> String {
+    path.file_stem().unwrap().to_string_lossy().into_owned()
 }
 
-/// Standard error of a command that must fail with this exit code: one line, and perhaps a hint.
-pub fn fail_in(folder: &Path, args: &[&str], code: i32) -> String {
-    let output = run_in(folder, args);
-    let message = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{args:?}: {message}");
-    let lines: Vec<&str> = message.lines().collect();
-    assert!(lines[0].starts_with("pellucid: error: "), "{args:?}: {message}");
-    assert!(lines.len() <= 2 && lines[1..].iter().all(|line| line.starts_with("pellucid: hint: ")), "{message}");
-    assert!(!message.contains("panicked"), "{message}");
-    message
+/// A scene, ready to be drawn.
+pub fn stage(path: &Path) -> (Scene, Stage) {
+    let text = std::fs::read_to_string(path).unwrap();
+    let scene = Scene::parse(&text, Format::Toml);
+    let mut scene = scene.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    load_optics(&mut scene, folder()).unwrap();
+    let (volumes, _) = load(&scene, folder()).unwrap();
+    let (stage, _) = scene.resolve(&volumes).unwrap();
+    (scene, stage)
 }
 
-/// The scene that `render INPUT FLAGS` would draw, as JSON.
-pub fn scene_in(folder: &Path, args: &[&str]) -> Value {
-    let all = [&["render", "--quiet", "--save-scene", "saved.json"], args].concat();
-    succeed_in(folder, &all);
-    let text = std::fs::read_to_string(folder.join("saved.json")).expect("the scene was saved");
-    serde_json::from_str(&text).expect("a saved scene is JSON")
+/// A GPU renderer on whatever Vulkan driver there is.
+pub fn gpu(ceiling: &Ceiling) -> GpuRenderer {
+    let open = |choice| Device::open(&choice, ceiling);
+    let device = open(AdapterChoice::Hardware).or_else(|_| open(AdapterChoice::Software));
+    GpuRenderer::on(device.expect("a Vulkan driver is needed; on Debian: apt-get install mesa-vulkan-drivers"))
 }
 
-/// A picture the command has written.
-pub fn picture(path: &Path) -> Picture {
-    pellucid::io::read_png(path).expect("the picture can be read")
+/// What the processor draws or, by techniques that it has not, a GPU renderer.
+pub fn draw(stage: &Stage) -> Frame {
+    let mut renderer = if Backend::Cpu.draws(stage) {
+        Renderer::new(Backend::Cpu).unwrap()
+    } else {
+        gpu(&Ceiling::default()).with_interpolation(Interpolation::Exact).into()
+    };
+    renderer.render(stage, &Control::default()).unwrap()
 }
 
-/// Names of the files in a folder.
-pub fn files(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).expect("the folder exists");
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
-}
-
-/// Bytes as text.
-pub fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
+/// Peak signal-to-noise ratio in dB and the largest difference, of 8-bit channels.
+pub fn difference(a: &[u8], b: &[u8]) -> (f64, u8) {
+    let differences = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b));
+    let largest = differences.clone().max().unwrap_or(0);
+    let squares: f64 = differences.map(|d| f64::from(d).powi(2)).sum();
+    (10.0 * (255.0 * 255.0 * a.len() as f64 / squares).log10(), largest)
 }

@@ -3,7 +3,7 @@
 use pellucid::field::{Filter, Gradient, SincWindow};
 use pellucid::scene::{Classification, Jitter, Scene};
 
-use crate::cli::values;
+use crate::values;
 
 /// Every kind of reconstruction by its name.
 pub const FILTERS: [(&str, Filter); 7] = [

@@ -4,7 +4,7 @@ use pellucid::field::Grid;
 use pellucid::scene::{Camera, LookAt, Projection, Scene, View};
 
 use super::subject::Subject;
-use crate::cli::flags::quality::{FILTERS, GRADIENTS};
+use crate::flags::quality::{FILTERS, GRADIENTS};
 
 /// A scene and what is special about it.
 pub type Variant = (String, Scene);

@@ -1,4 +1,4 @@
-//! The command line: one file per subcommand, one per concern.
+//! The `pellucid` command: one file per subcommand, one per concern.
 
 mod adapters;
 mod bench;
@@ -13,6 +13,7 @@ mod histogram;
 mod info;
 mod input;
 mod interrupt;
+mod memory;
 mod output;
 mod presets;
 mod progress;
@@ -30,6 +31,9 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use failure::Failure;
 use pellucid::field::Threads;
+
+#[global_allocator]
+static MEMORY: memory::Memory = memory::Memory;
 
 /// Volume graphics: turns scans, simulations and built-in fields into pictures.
 ///
@@ -81,8 +85,9 @@ enum Command {
     Completions(completions::CompletionsArgs),
 }
 
-/// Runs the command line and returns its exit code.
-pub fn main() -> ExitCode {
+fn main() -> ExitCode {
+    memory::rehearse();
+    quieten_drivers();
     let tell = std::panic::take_hook();
     // What a decoder's panic becomes is told like all errors.
     std::panic::set_hook(Box::new(move |panic| {
@@ -153,3 +158,18 @@ fn fail(failure: &Failure) -> ExitCode {
     let _ = writeln!(std::io::stderr(), "{failure}");
     ExitCode::from(failure.code)
 }
+
+/// Vulkan's layers look for a Wayland display and complain on standard error, twice a run and past every `--quiet`,
+/// where the variable that says where one would be is not set. With it set to a place that is not there they find none
+/// in silence.
+#[cfg(target_os = "linux")]
+fn quieten_drivers() {
+    const PLACE: &str = "XDG_RUNTIME_DIR";
+    if std::env::var_os(PLACE).is_none() {
+        // SAFETY: nothing has started a thread yet, so that none can read the environment meanwhile.
+        unsafe { std::env::set_var(PLACE, "/nonexistent") };
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn quieten_drivers() {}

@@ -8,11 +8,11 @@ use pellucid::scene::{Choice, Frame, LookAt, Projection, Scene, Stage, View, Vie
 
 use super::meter::{Meter, Plan};
 use super::timing::Timing;
-use crate::cli::failure::Failure;
-use crate::cli::flags::{SceneFlags, Staged};
-use crate::cli::input::{Input, RawFlags};
-use crate::cli::render::{affordable, drawable};
-use crate::cli::report::Report;
+use crate::failure::Failure;
+use crate::flags::{SceneFlags, Staged};
+use crate::input::{Input, RawFlags};
+use crate::render::{affordable, drawable};
+use crate::report::Report;
 
 /// A scene, loaded once.
 pub struct Subject {

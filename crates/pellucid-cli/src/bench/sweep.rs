@@ -11,7 +11,7 @@ use super::meter::Meter;
 use super::subject::{Subject, still};
 use super::timing::Timing;
 use super::variants::{self, Variant};
-use crate::cli::failure::Failure;
+use crate::failure::Failure;
 
 /// What is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,8 +9,8 @@ use pellucid::optics::{
 use pellucid::scene::{Choice, Look, Scene, StageVolume};
 
 use super::first_volume;
-use crate::cli::failure::Failure;
-use crate::cli::values;
+use crate::failure::Failure;
+use crate::values;
 
 /// A preset over a window, which is there as long as the window is not known: the one that a file was printed from, which
 /// may choose its window in its own way, or this one.

@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 
 use super::meter::{Meter, Plan};
 use super::subject::Subject;
-use crate::cli::difference::Difference;
-use crate::cli::failure::Failure;
+use crate::difference::Difference;
+use crate::failure::Failure;
 
 /// Where the reference comes from.
 #[derive(Clone, Debug)]

@@ -141,7 +141,7 @@ impl From<RenderError> for Failure {
         match error {
             RenderError::Cancelled => Self::cancelled(),
             RenderError::Gpu(GpuError::Unsupported { .. }) => Self::input(error),
-            RenderError::Cpu(pellucid_cpu::RenderError::Threads(_) | pellucid_cpu::RenderError::Memory(_))
+            RenderError::Cpu(pellucid::cpu::RenderError::Threads(_) | pellucid::cpu::RenderError::Memory(_))
             | RenderError::Gpu(_) => Self::work(error),
             _ => Self::input(error),
         }

@@ -100,7 +100,7 @@ impl Engine {
         if threads == thread_count() {
             return Ok(renderer);
         }
-        Ok(renderer.on_threads(Threads::new(threads).map_err(pellucid_cpu::RenderError::from)?))
+        Ok(renderer.on_threads(Threads::new(threads).map_err(pellucid::cpu::RenderError::from)?))
     }
 
     fn backend(&self) -> Result<Renderer, RenderError> {

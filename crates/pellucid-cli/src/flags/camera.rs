@@ -2,8 +2,8 @@
 
 use pellucid::scene::{Framing, LookAt, Orbit, Projection, Scene, View};
 
-use crate::cli::failure::Failure;
-use crate::cli::values;
+use crate::failure::Failure;
+use crate::values;
 
 const FRAMINGS: [(&str, Framing); 2] = [("visible", Framing::Visible), ("grid", Framing::Grid)];
 

@@ -6,7 +6,7 @@ use super::reference::Error;
 use super::subject::Subject;
 use super::sweep::{Row, Sweep};
 use super::timing::{HEADINGS, Timing};
-use crate::cli::info::choices_json;
+use crate::info::choices_json;
 
 /// A scene's figures.
 pub struct Results {

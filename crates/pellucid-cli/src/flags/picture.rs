@@ -2,7 +2,7 @@
 
 use pellucid::scene::{Background, Encoding, Scene};
 
-use crate::cli::values;
+use crate::values;
 
 const ENCODINGS: [(&str, Encoding); 2] = [("srgb", Encoding::Srgb), ("linear", Encoding::Linear)];
 

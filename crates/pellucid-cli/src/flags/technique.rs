@@ -5,8 +5,8 @@ use pellucid::scene::{
     Technique, View,
 };
 
-use crate::cli::failure::Failure;
-use crate::cli::values;
+use crate::failure::Failure;
+use crate::values;
 
 const MODES: [(&str, Mode); 6] = [
     ("composite", Mode::Composite),

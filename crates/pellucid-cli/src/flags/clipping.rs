@@ -3,8 +3,8 @@
 use pellucid::scene::{Clip, Crop, Scene};
 
 use super::first_volume;
-use crate::cli::failure::Failure;
-use crate::cli::values;
+use crate::failure::Failure;
+use crate::values;
 
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Clipping and data")]

@@ -7,10 +7,10 @@ use pellucid::scene::{Cancel, Control, Frame, Stage};
 use pellucid::{RenderError, Renderer};
 
 use super::timing::{Lap, Timing};
-use crate::cli::engine::Engine;
-use crate::cli::failure::Failure;
-use crate::cli::interrupt;
-use crate::cli::progress::Progress;
+use crate::engine::Engine;
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::progress::Progress;
 
 /// How often to draw, and who may stop it.
 #[derive(Clone)]
