@@ -3,8 +3,8 @@
 use pellucid_field::memory::OutOfMemory;
 use pellucid_field::{FieldError, ThreadsError};
 use pellucid_optics::OpticsError;
-use pellucid_scene::TableError;
-use pellucid_scene::half_angle::LightError;
+use pellucid_plan::TableError;
+use pellucid_plan::half_angle::LightError;
 
 use crate::InstructionSet;
 

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use pellucid_field::Grid;
 use pellucid_optics::{ResolvedLight, ShadowVolume, Shadows, StepTable};
-use pellucid_scene::{BlockContent, BlockMap, Control, Mode, Region, Stage, StageVolume, TableCache, Tables};
+use pellucid_plan::{BlockContent, BlockMap, PlanCache, Tables};
+use pellucid_scene::{Control, Mode, Region, Stage, StageVolume};
 
 use crate::RenderError;
 use crate::cut::Cuts;
@@ -18,7 +19,7 @@ use crate::skip::{ExtremeGrid, Levels, SkipGrid};
 #[derive(Default)]
 pub struct Cache {
     /// Tables and blocks of the data.
-    pub tables: TableCache,
+    pub plan: PlanCache,
     grids: Option<(Arc<Tables>, Arc<Grids>)>,
     extremes: Option<(Arc<Vec<f32>>, Arc<ExtremeGrid>)>,
     lights: Option<(LightSettings, Arc<Vec<LightVolume>>)>,
@@ -141,18 +142,19 @@ pub struct ShadowSteps {
 }
 
 impl<'s> Prepared<'s> {
-    /// Makes tables and blocks, or finds them in the cache.
+    /// Makes tables and blocks of a layer, or finds them in the cache.
     ///
     /// # Errors
     /// [`RenderError::Optics`] if the data's range cannot be tabulated, [`RenderError::Steps`] if rays
     /// are too many steps long.
-    pub fn new(stage: &'s Stage, volume: &'s StageVolume, cache: &mut Cache) -> Result<Self, RenderError> {
+    pub fn new(stage: &'s Stage, layer: usize, cache: &mut Cache) -> Result<Self, RenderError> {
+        let volume = &stage.volumes[layer];
         let steps = stage.most_steps(volume);
         let numbered = steps < f64::from(MOST_STEPS);
         if !numbered {
             return Err(RenderError::Steps { found: steps, limit: MOST_STEPS });
         }
-        let tables = cache.tables.tables(stage, volume)?;
+        let tables = cache.plan.tables(stage, layer)?;
         let grids = cache.grids(&tables);
         let length = stage.shadow_step(volume);
         let least = stage.chroma(volume).map_or(1.0, |chroma| chroma.least);

@@ -9,8 +9,9 @@
 
 use glam::DVec3;
 use pellucid_field::Grid;
-use pellucid_scene::half_angle::LightFrame;
-use pellucid_scene::{Jitter, Region, Stage, blue_noise};
+use pellucid_plan::blue_noise;
+use pellucid_plan::half_angle::LightFrame;
+use pellucid_scene::{Jitter, Region, Stage};
 
 use crate::lanes::{InstructionSet, Lanes, MOST_LANES, dispatch, width};
 use crate::packet::Packet;

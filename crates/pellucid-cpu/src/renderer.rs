@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use pellucid_field::{Threads, memory, parallel};
+use pellucid_plan::cautions;
 use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, Technique, denoise};
 
 use crate::RenderError;
@@ -117,14 +118,14 @@ fn render(
     tiles: &mut Tiles,
     frame: &mut Frame,
 ) -> Result<(), RenderError> {
-    let [volume] = stage.volumes.as_slice() else {
+    if stage.volumes.len() != 1 {
         return Err(RenderError::Volumes { found: stage.volumes.len() });
-    };
+    }
     let started = Instant::now();
     let drawing;
     match &stage.technique {
         Technique::RayCast(_) => {
-            let prepared = Prepared::new(stage, volume, cache)?;
+            let prepared = Prepared::new(stage, 0, cache)?;
             let lights = cache.lights(&prepared, set, control)?;
             let integrator = prepared.integrator(set, lights.as_ref().map(|lights| lights.as_slice()))?;
             let emitter = Emitter::of_eye(stage, prepared.grid(), &prepared.region, set);
@@ -132,12 +133,12 @@ fn render(
             tiles.draw(control, |tile| draw_tile(stage, &emitter, integrator.as_ref(), control, tile))?;
         }
         Technique::HalfAngle(settings) => {
-            let prepared = Prepared::new(stage, volume, cache)?;
+            let prepared = Prepared::new(stage, 0, cache)?;
             drawing = Instant::now();
             half_angle::draw(&prepared, settings, set, control, tiles)?;
         }
         Technique::PathTrace(settings) => {
-            let tracer = PathTracer::new(stage, volume, settings, &mut cache.tables)?;
+            let tracer = PathTracer::new(stage, 0, settings, &mut cache.plan)?;
             let drawer = tracer.drawer()?;
             drawing = Instant::now();
             tiles.draw(control, |tile| drawer.draw(tile, control))?;
@@ -175,7 +176,7 @@ fn render(
     };
     frame.warnings.clear();
     frame.warnings.extend(stage.fallbacks());
-    frame.warnings.extend(stage.cautions(usize::MAX));
+    frame.warnings.extend(cautions(stage, usize::MAX));
     frame.warnings.extend(RenderWarning::clamped(&frame.statistics));
     frame.backdrop = stage.backdrop();
     if tally.visible == 0 || stage.is_too_faint(frame) {

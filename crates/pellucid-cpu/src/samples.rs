@@ -1,6 +1,6 @@
 //! The walk over the samples of rays, for modes that look at one value at a time.
 
-use pellucid_scene::SAMPLES_PER_LOOK;
+use pellucid_plan::SAMPLES_PER_LOOK;
 
 use crate::integrator::Counter;
 use crate::lanes::*;

@@ -3,7 +3,7 @@
 //! Leaps go from lattice sample to lattice sample and only over samples that add exactly nothing,
 //! so the picture is the same to the bit with skipping on and off.
 
-use pellucid_scene::BlockMap;
+use pellucid_plan::BlockMap;
 
 use crate::cells::Cells;
 use crate::lanes::*;

@@ -1,7 +1,7 @@
 //! Filters and gradients as shaders take them: the structure of `kernel.wgsl`.
 
 use pellucid_field::{Filter, Gradient, Kernel};
-use pellucid_scene::SAMPLES_PER_LOOK;
+use pellucid_plan::SAMPLES_PER_LOOK;
 
 type Four = [f32; 4];
 

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use bytemuck::bytes_of;
 use pellucid_optics::ResolvedLight;
-use pellucid_scene::half_angle::{Geometry, LightError, LightPoints};
-use pellucid_scene::{Control, HalfAngle, Region, Stage, StageVolume, TableError, Tables};
+use pellucid_plan::half_angle::{Geometry, LightError, LightPoints};
+use pellucid_plan::{TableError, Tables};
+use pellucid_scene::{Control, HalfAngle, Region, Stage, StageVolume};
 use wgpu::{
     BindGroup, BindingResource, CommandEncoder, CommandEncoderDescriptor, ComputePassDescriptor, Texture,
     TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
@@ -67,7 +68,7 @@ pub fn side(device: &Device) -> usize {
 /// # Errors
 /// [`GpuError::Tables`] if there are too many points.
 pub fn bytes(device: &Device, stage: &Stage, volume: &StageVolume) -> Result<u64, GpuError> {
-    let Some(points) = stage.light_points(volume, side(device)).map_err(TableError::from)? else { return Ok(0) };
+    let Some(points) = LightPoints::of(stage, volume, side(device)).map_err(TableError::from)? else { return Ok(0) };
     let side = points.texels + 1;
     Ok(4 * (points.grid.len() * stage.lights.len()) as u64 + Layers::bytes([side; 2], RUN + 1))
 }

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use pellucid_field::Noise as Texels;
-use pellucid_scene::Tables;
+use pellucid_plan::Tables;
 use wgpu::{Buffer, TextureFormat, TextureView};
 
 use crate::{Device, texture};

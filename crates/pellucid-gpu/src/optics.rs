@@ -3,10 +3,8 @@
 use std::borrow::Cow;
 
 use pellucid_optics::{ColorSpace, Nodes, Scattering, SurfaceShare, TransferFunction, path_extinction};
-use pellucid_scene::{
-    BlockContent, BlockMap, Classification, ColorWeight, Combine, Isosurface, Mode, Slice, Stage, StageVolume, Tables,
-    Technique,
-};
+use pellucid_plan::{BlockContent, BlockMap, Tables};
+use pellucid_scene::{Classification, ColorWeight, Combine, Isosurface, Mode, Slice, Stage, StageVolume, Technique};
 
 use crate::scattering;
 use crate::shaders::Pass;

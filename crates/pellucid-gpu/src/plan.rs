@@ -70,7 +70,7 @@ impl MemoryPlan {
         Demands { layout: wanted_layout, border, pixel_bytes, frame_bytes }: Demands,
     ) -> Result<(Self, Vec<Brick>), GpuError> {
         let (width, height) = (stage.viewpoint.width as u64, stage.viewpoint.height as u64);
-        let tables = frame_bytes + optics.table_bytes() + 4 * (pellucid_scene::BLUE_NOISE_TILE as u64).pow(2);
+        let tables = frame_bytes + optics.table_bytes() + 4 * (pellucid_plan::BLUE_NOISE_TILE as u64).pow(2);
         let blocks = optics.block_bytes();
         let voxel_bytes: usize = sources.iter().map(|source| source.encoding.bytes).sum();
         let row = width * (Targets::PIXEL_BYTES + pixel_bytes);

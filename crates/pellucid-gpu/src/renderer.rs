@@ -6,9 +6,8 @@ use std::time::Instant;
 
 use pellucid_field::{Volume, memory};
 use pellucid_optics::{Anisotropy, Phase, ResolvedLight, Scattering, Shadows, Sky};
-use pellucid_scene::{
-    Control, Frame, FrameStatistics, Mode, RenderWarning, Stage, StageVolume, TableCache, Tables, Technique, denoise,
-};
+use pellucid_plan::{PlanCache, Tables, cautions};
+use pellucid_scene::{Control, Frame, FrameStatistics, Mode, RenderWarning, Stage, StageVolume, Technique, denoise};
 
 use crate::bricks::{self, Brick};
 use crate::device::Device;
@@ -72,7 +71,7 @@ pub struct GpuRenderer {
     drawing: Drawing,
     pipelines: Pipelines,
     draw_pipelines: DrawPipelines,
-    tables: TableCache,
+    cache: PlanCache,
     uploads: Option<Uploads>,
     resident: Option<Resident>,
     light: Option<LightVolumes>,
@@ -96,7 +95,7 @@ impl GpuRenderer {
     pub fn on(device: Device) -> Self {
         Self {
             budget: device.capabilities.memory,
-            tables: TableCache::with_most_blocks(device.capabilities.limits.max_texture_dimension_3d as usize),
+            cache: PlanCache::with_most_blocks(device.capabilities.limits.max_texture_dimension_3d as usize),
             reused: Reused::new(&device),
             device,
             drawing: Drawing::default(),
@@ -242,7 +241,7 @@ impl GpuRenderer {
             return Err(GpuError::Unsupported { what });
         }
         check_steps(stage, volume)?;
-        let tables = self.tables.tables(stage, volume)?;
+        let tables = self.cache.tables(stage, 0)?;
         let sources = Source::of(&self.device, volume, &tables, stage);
         let optics = Optics::new(stage, volume, &tables);
         let sky = stage.path_trace().map(|settings| settings.environment.resolve()).transpose()?.flatten();
@@ -293,7 +292,7 @@ impl GpuRenderer {
         let (device, optics) = (&self.device, (&optics, &*uploads));
         let drawing = match &stage.technique {
             Technique::PathTrace(settings) => {
-                let majorants = self.tables.majorants(&tables, volume, settings.majorants)?;
+                let majorants = self.cache.majorants(stage, 0, &tables, settings.majorants)?;
                 let (what, optics) = ((stage, volume, settings), (optics.0, optics.1, &*majorants));
                 if let Some(Sky::Image { map, .. }) = &sky {
                     self.reused.sky.get_or_insert_with(|| UploadedSky::new(device, map));
@@ -345,7 +344,7 @@ impl GpuRenderer {
             ..frame.statistics
         };
         frame.warnings.extend(stage.fallbacks());
-        frame.warnings.extend(stage.cautions(light_volume::side(device)));
+        frame.warnings.extend(cautions(stage, light_volume::side(device)));
         frame.backdrop = stage.backdrop();
         if frame.statistics.samples_visible == 0 || stage.is_too_faint(frame) {
             frame.warnings.push(RenderWarning::empty(stage, frame.statistics.rays_hit));

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use pellucid_field::Volume;
-use pellucid_scene::{Control, Stage, StageVolume, Tables};
+use pellucid_plan::Tables;
+use pellucid_scene::{Control, Stage, StageVolume};
 use wgpu::{SubmissionIndex, Texture, TextureView, TextureViewDescriptor, TextureViewDimension};
 
 use crate::bricks::Brick;

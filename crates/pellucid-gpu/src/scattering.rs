@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 
 use pellucid_optics::{Anisotropy, Nodes, Phase, PhaseNormalization, ScatterTable, Scattering, SurfaceShare};
-use pellucid_scene::{LightTables, Tables};
+use pellucid_plan::{LightTables, Tables};
 
 type Four = [f32; 4];
 

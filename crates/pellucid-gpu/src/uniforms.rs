@@ -4,7 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 use pellucid_field::Grid;
 use pellucid_optics::{LightShape, Material, Nodes, ResolvedLight};
-use pellucid_scene::{Jitter, Mode, Region, Slice, Stage, StageVolume, blue_noise_shift};
+use pellucid_plan::blue_noise_shift;
+use pellucid_scene::{Jitter, Mode, Region, Slice, Stage, StageVolume};
 
 use crate::window::Window;
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, cast_slice};
-use pellucid_scene::{BLUE_NOISE_TILE, BlockContent, BlockMap, Tables, blue_noise};
+use pellucid_plan::{BLUE_NOISE_TILE, BlockContent, BlockMap, Tables, blue_noise};
 use wgpu::{Buffer, BufferUsages, TextureFormat, TextureView};
 
 use crate::noise::UploadedNoise;

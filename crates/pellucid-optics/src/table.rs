@@ -109,6 +109,18 @@ impl StepTable {
         Ok(steps)
     }
 
+    /// The table for steps of `ratio` unit distances, [`chromatic`](Self::chromatic) where colours are held back each in
+    /// its own way.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of(table: &Table, ratio: f32, chroma: Option<&Chroma>) -> Result<Self, OpticsError> {
+        match chroma {
+            Some(chroma) => Self::chromatic(table, ratio, chroma),
+            None => Self::new(table, ratio),
+        }
+    }
+
     /// Where the entries are.
     pub fn nodes(&self) -> &Nodes {
         &self.nodes

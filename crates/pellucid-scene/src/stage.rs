@@ -1,11 +1,10 @@
 //! What every backend asks of a stage before it draws.
 
 use glam::DVec3;
-use pellucid_field::{FieldError, parallel};
-use pellucid_optics::{Chroma, ShadowRays, ShadowVolume, Shadows, Sky};
+use pellucid_field::parallel;
+use pellucid_optics::{Chroma, LightModel, ShadowRays, ShadowVolume, Shadows, Sky};
 use rayon::prelude::*;
 
-use crate::half_angle::LightPoints;
 use crate::origin::smallest_difference;
 use crate::{
     Background, Classification, HalfAngle, Mode, PathTrace, Region, RenderWarning, Slice, Slicing, Stage, StageVolume,
@@ -39,6 +38,16 @@ impl Stage {
         match &self.technique {
             Technique::PathTrace(path_trace) => Some(path_trace),
             _ => None,
+        }
+    }
+
+    /// Whether samples answer light as a cloud, by the volume's `scattering`.
+    pub fn scatters(&self) -> bool {
+        match self.technique {
+            Technique::RayCast(_) | Technique::Slicing(_) => {
+                self.light_model == LightModel::Scattering && *self.mode() == Mode::Composite
+            }
+            Technique::HalfAngle(_) | Technique::PathTrace(_) => true,
         }
     }
 
@@ -84,16 +93,6 @@ impl Stage {
             }
             _ => None,
         }
-    }
-
-    /// The points of a light volume, if what is lit of a volume asks for one: at most `side` along an axis, those of all
-    /// lights along the last.
-    ///
-    /// # Errors
-    /// As [`LightPoints::new`].
-    pub fn light_points(&self, volume: &StageVolume, side: usize) -> Result<Option<LightPoints>, FieldError> {
-        let points = |resolution| LightPoints::new(volume.volume.grid(), resolution, self.lights.len(), side);
-        self.light_resolution(volume).map(points).transpose()
     }
 
     /// How many steps of a length off the sample shadow rays begin: off surfaces, as far as the roughness of sampled

@@ -15,7 +15,8 @@ type Error = Box<dyn std::error::Error>;
 fn main() -> Result<(), Error> {
     let parts: Vec<String> = std::env::args().skip(1).collect();
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
-    let entries = std::fs::read_dir(&folder)?.map(|entry| Ok(entry?.path())).collect::<Result<Vec<PathBuf>, Error>>()?;
+    let entries =
+        std::fs::read_dir(&folder)?.map(|entry| Ok(entry?.path())).collect::<Result<Vec<PathBuf>, Error>>()?;
     let is_scene = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "toml");
     let mut scenes: Vec<PathBuf> = entries.into_iter().filter(is_scene).collect();
     scenes.sort();

@@ -2,8 +2,8 @@
 //! (Eq. 6.6, 6.7, K-06, K-09).
 
 use pellucid_optics::Chroma;
+use pellucid_plan::half_angle::LightFrame;
 use pellucid_scene::InScatter;
-use pellucid_scene::half_angle::LightFrame;
 
 use super::blur::Blur;
 use super::buffer::{LightBuffer, MOST_CHANNELS};

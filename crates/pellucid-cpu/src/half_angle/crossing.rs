@@ -5,7 +5,7 @@
 //! homogeneous medium has its exact transmittance at any thickness and angle.
 
 use pellucid_field::Grid;
-use pellucid_scene::half_angle::Slabs;
+use pellucid_plan::half_angle::Slabs;
 
 use crate::lanes::*;
 use crate::packet::{Packet, PerLane, inverse};

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 use pellucid_optics::Chroma;
-use pellucid_scene::half_angle::{LightFrame, Slabs, Ways};
+use pellucid_plan::half_angle::{LightFrame, Slabs, Ways};
 use pellucid_scene::{LightCorrection, Stage};
 
 use super::buffer::{Light, LightBuffer};

@@ -1,6 +1,6 @@
 //! Where samples are in the light's picture (6.1-5).
 
-use pellucid_scene::half_angle::LightFrame;
+use pellucid_plan::half_angle::LightFrame;
 
 use crate::lanes::*;
 

@@ -2,7 +2,7 @@
 //! every slab, so that most samples need no power.
 
 use pellucid_optics::{OpticsError, StepTable, TransportTable};
-use pellucid_scene::half_angle::Ways;
+use pellucid_plan::half_angle::Ways;
 
 use crate::classify::Lookup;
 use crate::prepare::Prepared;

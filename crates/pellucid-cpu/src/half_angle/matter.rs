@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use pellucid_optics::Chroma;
-use pellucid_scene::half_angle::Slabs;
+use pellucid_plan::half_angle::Slabs;
 
 use super::crossing::{Crossing, Crossings, Passage, UNASKED};
 use super::transport;

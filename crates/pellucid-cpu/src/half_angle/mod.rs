@@ -1,7 +1,7 @@
 //! Half-angle slicing: light that travels through the volume while it is drawn (Kniss et al. 2003, section
 //! 6.3).
 //!
-//! Slabs lie halfway between the light and the eye (`pellucid_scene::half_angle`), and rays of both cross them in the
+//! Slabs lie halfway between the light and the eye (`pellucid_plan::half_angle`), and rays of both cross them in the
 //! same order (`crossing`). Light is a picture of the volume as the light sees it (`frame`, `buffer`): slab after slab it
 //! loses what the slab holds (`matter`, `advance`) and spreads (`blur`), and the eye looks at each slab in the light that
 //! has come to it (`eye`). Several lights are several sweeps, each with slabs of its own.
@@ -26,7 +26,7 @@ mod work;
 mod tests;
 
 use pellucid_optics::ResolvedLight;
-use pellucid_scene::half_angle::{Geometry, LightError, into_cone, lights, material};
+use pellucid_plan::half_angle::{Geometry, LightError, into_cone, lights, material};
 use pellucid_scene::{Control, HalfAngle, InScatter};
 use rayon::prelude::*;
 

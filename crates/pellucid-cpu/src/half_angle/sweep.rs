@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use pellucid_scene::half_angle::{Geometry, Ways, into_cone, taps};
+use pellucid_plan::half_angle::{Geometry, Ways, into_cone, taps};
 use pellucid_scene::{BlurScaling, HalfAngle, InScatter};
 use rayon::prelude::*;
 

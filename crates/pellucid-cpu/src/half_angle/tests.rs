@@ -6,7 +6,7 @@ use pellucid_optics::{
     Color, ColorPoint, Interpolation, Light, LightKind, OpacityPoint, Phase, PhaseNormalization, Scattering,
     TransferFunction, srgb_encode,
 };
-use pellucid_scene::half_angle::{Geometry, along_light, slice_axis, taps};
+use pellucid_plan::half_angle::{Geometry, along_light, slice_axis, taps};
 use pellucid_scene::{BlurJitter, BlurScaling, HalfAngle, InScatter, Scene, Source, Stage, Technique};
 
 use super::Drawing;
@@ -99,7 +99,7 @@ trait Look {
 fn sweep(stage: &Stage, settings: &HalfAngle, slabs: Option<usize>, look: &mut impl Look) {
     let mut cache = Cache::default();
     let stage = &Stage { technique: Technique::HalfAngle(settings.clone()), ..stage.clone() };
-    let prepared = Prepared::new(stage, &stage.volumes[0], &mut cache).unwrap();
+    let prepared = Prepared::new(stage, 0, &mut cache).unwrap();
     let geometry = Geometry::new(stage, prepared.grid(), settings, &stage.lights[0]).unwrap();
     let drawing = Drawing {
         prepared: &prepared,

@@ -5,8 +5,8 @@ use std::iter::StepBy;
 use std::ops::Range;
 
 use glam::{DVec2, DVec3};
-use pellucid_scene::BlockContent;
-use pellucid_scene::half_angle::Geometry;
+use pellucid_plan::BlockContent;
+use pellucid_plan::half_angle::Geometry;
 
 use super::matter::{BAND, TILE};
 use crate::prepare::Prepared;

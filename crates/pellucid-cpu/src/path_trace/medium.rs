@@ -1,6 +1,6 @@
 //! The medium that paths cross: where they collide and how much light gets through.
 
-use pellucid_scene::MajorantGrid;
+use pellucid_plan::MajorantGrid;
 
 use super::extinction::Extinctions;
 use super::majorants::Walk;
@@ -211,7 +211,8 @@ mod tests {
     use glam::Vec3;
     use pellucid_field::{ComponentView, Grid, Volume, Voxels};
     use pellucid_optics::{Color, ColorPoint, OpacityPoint, TransferFunction};
-    use pellucid_scene::{Majorants, Scene, Source, TableCache, VolumeEntry};
+    use pellucid_plan::PlanCache;
+    use pellucid_scene::{Majorants, Scene, Source, VolumeEntry};
 
     use super::*;
     use crate::path_trace::values::Trilinear;
@@ -235,9 +236,9 @@ mod tests {
         let scene = Scene { volumes: vec![entry], ..Scene::default() };
         let (stage, _) = scene.resolve(&[volume]).unwrap();
         let volume = &stage.volumes[0];
-        let mut cache = TableCache::default();
-        let tables = cache.tables(&stage, volume).unwrap();
-        let majorants = cache.majorants(&tables, volume, majorants).unwrap();
+        let mut cache = PlanCache::default();
+        let tables = cache.tables(&stage, 0).unwrap();
+        let majorants = cache.majorants(&stage, 0, &tables, majorants).unwrap();
         let Voxels::F32(data) = volume.volume.voxels() else { unreachable!() };
         let region = stage.region(volume);
         look(&Medium {

@@ -23,7 +23,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use pellucid_field::{ComponentView, Gradient, Sampler, Voxels};
 use pellucid_optics::Sky;
-use pellucid_scene::{Control, Jitter, MajorantGrid, PathTrace, Region, Stage, StageVolume, TableCache, Tables};
+use pellucid_plan::{MajorantGrid, PlanCache, Tables};
+use pellucid_scene::{Control, Jitter, PathTrace, Region, Stage, StageVolume};
 
 use crate::RenderError;
 use crate::field::{Moved, Probe};
@@ -65,12 +66,13 @@ impl<'s> PathTracer<'s> {
     /// filter out of range.
     pub fn new(
         stage: &'s Stage,
-        volume: &'s StageVolume,
+        layer: usize,
         settings: &'s PathTrace,
-        cache: &mut TableCache,
+        cache: &mut PlanCache,
     ) -> Result<Self, RenderError> {
-        let tables = cache.tables(stage, volume)?;
-        let majorants = cache.majorants(&tables, volume, settings.majorants)?;
+        let volume = &stage.volumes[layer];
+        let tables = cache.tables(stage, layer)?;
+        let majorants = cache.majorants(stage, layer, &tables, settings.majorants)?;
         let sky = settings.environment.resolve()?;
         Ok(Self { stage, volume, settings, region: stage.region(volume), tables, majorants, sky })
     }

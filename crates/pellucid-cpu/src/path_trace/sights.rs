@@ -4,7 +4,8 @@ use std::f64::consts::SQRT_2;
 
 use glam::{DAffine3, DVec2, DVec3};
 use pellucid_field::{Grid, Leaps};
-use pellucid_scene::{MajorantGrid, PathTrace, Viewpoint};
+use pellucid_plan::MajorantGrid;
+use pellucid_scene::{PathTrace, Viewpoint};
 
 use super::majorants::Walk;
 use super::space::Flight;

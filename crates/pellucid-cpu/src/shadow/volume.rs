@@ -3,7 +3,7 @@
 use glam::DVec3;
 use pellucid_field::{ComponentView, Gradient, Grid, Linear, Volume, Voxels};
 use pellucid_optics::ResolvedLight;
-use pellucid_scene::half_angle::{Geometry, LightError, LightPoints};
+use pellucid_plan::half_angle::{Geometry, LightError, LightPoints};
 use pellucid_scene::{Control, HalfAngle, Region};
 use rayon::prelude::*;
 

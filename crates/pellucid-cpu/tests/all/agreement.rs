@@ -10,7 +10,8 @@ use glam::DVec3;
 use pellucid_cpu::{CpuRenderer, InstructionSet};
 use pellucid_field::{Filter, Gradient, SincWindow};
 use pellucid_optics::PreIntegration;
-use pellucid_scene::{Classification, Combine, Control, Frame, Isosurface, Mode, Slice, Stage, TableCache};
+use pellucid_plan::PlanCache;
+use pellucid_scene::{Classification, Combine, Control, Frame, Isosurface, Mode, Slice, Stage};
 use proptest::prelude::*;
 
 /// The largest difference of a channel, before anything is quantised.
@@ -99,7 +100,7 @@ fn integrated(_: &Stage) -> Table {
 /// The table of a stage.
 fn tabulated(stage: &Stage) -> Table {
     let staged = &stage.volumes[0];
-    let range = TableCache::default().tables(stage, staged).unwrap().range;
+    let range = PlanCache::default().tables(stage, 0).unwrap().range;
     let ratio = stage.step / staged.unit_distance();
     Some(Arc::new(PreIntegration::for_data(&staged.transfer_function, &range, ratio).unwrap()))
 }

@@ -10,7 +10,7 @@ use pellucid_optics::{
     Color, ColorPoint, Falloff, Interpolation, Light, LightKind, LightModel, NumberPoint, OpacityPoint, Phase,
     PhaseNormalization, Scattering, ShadowRays, Shadows, SurfaceShare, TransferFunction, srgb_encode,
 };
-use pellucid_scene::half_angle::LightError;
+use pellucid_plan::half_angle::LightError;
 use pellucid_scene::{
     BlurJitter, BlurScaling, Cancel, Clip, Control, Frame, HalfAngle, InScatter, LightCorrection, LookAt, Orbit,
     Projection, Scene, Stage, Technique, View,

@@ -8,7 +8,7 @@ use pellucid_optics::{
     Color, ColorSpace, Light, LightKind, LightModel, Phase, PhaseNormalization, Scattering, ShadowRays, ShadowVolume,
     Shadows, TransferFunction,
 };
-use pellucid_scene::half_angle::LightError;
+use pellucid_plan::half_angle::LightError;
 use pellucid_scene::{Classification, Control, Isosurface, Isovalue, Mode, Orbit, Projection, Scene, Stage, View};
 
 /// A ball above a plate, as distances: positive inside the ball, far below -100 in the plate.

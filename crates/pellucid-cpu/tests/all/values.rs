@@ -7,7 +7,8 @@ use crate::reference::{Reading, Reference};
 use glam::DVec3;
 use pellucid_field::{Filter, Grid, SincWindow, Volume, VoxelType, Voxels};
 use pellucid_optics::TransferFunction;
-use pellucid_scene::{Classification, Framing, Projection, Stage, TableCache};
+use pellucid_plan::PlanCache;
+use pellucid_scene::{Classification, Framing, Projection, Stage};
 
 const CLASSIFICATIONS: [Classification; 3] = [Classification::Post, Classification::Pre, Classification::PreIntegrated];
 
@@ -141,7 +142,7 @@ fn values_beyond_those_of_voxels_are_classified_as_what_they_are() {
                     scene.quality.classification = classification;
                     scene.quality.step = 0.21;
                 });
-                let range = TableCache::default().tables(&stage, &stage.volumes[0]).unwrap().range;
+                let range = PlanCache::default().tables(&stage, 0).unwrap().range;
                 assert!(range.low < -1.0 && range.high > 101.0, "{filter:?}: {range:?}");
                 let frame = render(&stage);
                 let reference = Reference::new(&stage, Reading::default());

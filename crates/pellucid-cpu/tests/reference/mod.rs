@@ -15,7 +15,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use pellucid_optics::{PreIntegration, TransferFunction, extinction};
-use pellucid_scene::{Combine, Jitter, Mode, Slice, Stage, StageVolume, blue_noise};
+use pellucid_plan::blue_noise;
+use pellucid_scene::{Combine, Jitter, Mode, Slice, Stage, StageVolume};
 
 pub use field::{Field, Reading};
 use path::Path;

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 use pellucid_field::Grid;
-use pellucid_scene::half_angle::Geometry;
-use pellucid_scene::{BlockContent, BlockMap};
+use pellucid_plan::half_angle::Geometry;
+use pellucid_plan::{BlockContent, BlockMap};
 
 /// Most groups of blocks per axis that are looked at one by one.
 const MOST_GROUPS: usize = 16;

@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use bytemuck::bytes_of;
 use pellucid_optics::ResolvedLight;
-use pellucid_scene::half_angle::{Geometry, LightError, lights, material, taps};
+use pellucid_plan::half_angle::{Geometry, LightError, lights, material, taps};
 use pellucid_scene::{Control, Frame as Picture, HalfAngle, InScatter, Stage, StageVolume};
 use wgpu::{
     BindGroup, BindingResource, Buffer, CommandEncoder, CommandEncoderDescriptor, ComputePassTimestampWrites, Features,

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use pellucid_field::Grid;
 use pellucid_optics::ResolvedLight;
-use pellucid_scene::half_angle::{Geometry, Ways, into_cone, taps};
+use pellucid_plan::half_angle::{Geometry, Ways, into_cone, taps};
 use pellucid_scene::{BlurScaling, HalfAngle, InScatter, LightCorrection, Stage, StageVolume};
 
 use crate::uniforms::{Light, four};

@@ -10,7 +10,8 @@ use std::time::Instant;
 use bytemuck::bytes_of;
 use glam::Vec3;
 use pellucid_optics::{Material, Sky};
-use pellucid_scene::{Control, Frame as Picture, MajorantGrid, PathTrace, Stage, StageVolume};
+use pellucid_plan::MajorantGrid;
+use pellucid_scene::{Control, Frame as Picture, PathTrace, Stage, StageVolume};
 use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, CommandEncoderDescriptor};
 
 use crate::bindings::Bindings;

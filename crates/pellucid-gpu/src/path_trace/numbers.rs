@@ -3,7 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use pellucid_optics::Sky;
-use pellucid_scene::{Jitter, MajorantGrid, PathTrace, Stage, StageVolume};
+use pellucid_plan::MajorantGrid;
+use pellucid_scene::{Jitter, PathTrace, Stage, StageVolume};
 
 use crate::uniforms::four;
 

@@ -3,7 +3,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use pellucid_field::Grid;
-use pellucid_scene::{BlockContent, BlockMap, Stage};
+use pellucid_plan::{BlockContent, BlockMap};
+use pellucid_scene::Stage;
 
 use crate::bricks::{Brick, sort_boxes};
 use crate::texture::Part;

@@ -7,7 +7,7 @@ use crate::common::{LEVEL, device, difference, draw, gpu, sample, stage, with_ho
 use pellucid_cpu::CpuRenderer;
 use pellucid_field::{Grid, Volume, VoxelType};
 use pellucid_gpu::{Ceiling, GpuError, GpuRenderer, Interpolation};
-use pellucid_scene::half_angle::LightError;
+use pellucid_plan::half_angle::LightError;
 use pellucid_scene::{Control, Frame, Stage};
 
 /// What both backends compute in single precision differs by its rounding, in the mean by less; where rays touch a

@@ -6,7 +6,7 @@ use crate::common::{LEVEL, difference, draw, gpu, sample, side, stage};
 use pellucid_cpu::CpuRenderer;
 use pellucid_field::{Grid, Volume, VoxelType};
 use pellucid_gpu::{Ceiling, GpuError, Part};
-use pellucid_scene::half_angle::LightError;
+use pellucid_plan::half_angle::LightError;
 use pellucid_scene::{Control, RenderWarning};
 
 const LIGHTS: &str = "lights = [{ kind.directional.direction = [0.8, 0.4, -0.5] }, \

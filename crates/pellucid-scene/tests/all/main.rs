@@ -2,14 +2,12 @@
 
 mod automatic;
 mod camera;
-mod cautions;
 mod denoise;
 mod document_errors;
 mod empty;
 mod frame;
 mod framing;
 mod look;
-mod majorants;
 mod region;
 mod resolve;
 mod round_trip;

@@ -8,7 +8,8 @@ use pellucid_optics::{
     Color, ColorPoint, Displacement, Octave, OpacityPoint, Perturbation, PropertyNoise, TransferFunction,
     path_extinction,
 };
-use pellucid_scene::{MajorantGrid, Majorants, Scene, Source, Stage, TableCache, Tables, VolumeEntry};
+use pellucid_plan::{MajorantGrid, PlanCache, Tables};
+use pellucid_scene::{Majorants, Scene, Source, Stage, VolumeEntry};
 
 const DIMS: [usize; 3] = [21, 18, 23];
 
@@ -68,10 +69,10 @@ fn extinctions_lie_between_the_bounds_of_their_blocks() {
         (Filter::BSpline { prefilter: true }, noisy, false),
     ] {
         let stage = stage(waves(hole), filter, perturbation);
-        let mut cache = TableCache::default();
-        let tables = cache.tables(&stage, &stage.volumes[0]).unwrap();
+        let mut cache = PlanCache::default();
+        let tables = cache.tables(&stage, 0).unwrap();
         let unit = stage.volumes[0].unit_distance();
-        let mut bounds = |bounds| cache.majorants(&tables, &stage.volumes[0], bounds).unwrap();
+        let mut bounds = |bounds| cache.majorants(&stage, 0, &tables, bounds).unwrap();
         let (local, global) = (bounds(Majorants::Local), bounds(Majorants::Global));
         let dims = local.leaps.dims();
         let block = |p: DVec3| {
@@ -105,10 +106,10 @@ fn extinctions_lie_between_the_bounds_of_their_blocks() {
 #[test]
 fn bounds_are_kept_while_the_tables_are() {
     let mut stage = stage(waves(false), Filter::Linear, Perturbation::default());
-    let mut cache = TableCache::default();
+    let mut cache = PlanCache::default();
     let mut bounds = |stage: &Stage, bounds| -> Arc<MajorantGrid> {
-        let tables = cache.tables(stage, &stage.volumes[0]).unwrap();
-        cache.majorants(&tables, &stage.volumes[0], bounds).unwrap()
+        let tables = cache.tables(stage, 0).unwrap();
+        cache.majorants(stage, 0, &tables, bounds).unwrap()
     };
     let first = bounds(&stage, Majorants::Local);
     assert!(Arc::ptr_eq(&first, &bounds(&stage, Majorants::Local)));

@@ -3,8 +3,7 @@
 use glam::{DVec2, DVec3};
 use pellucid_field::Grid;
 use pellucid_optics::{LightShape, ResolvedLight};
-
-use crate::Ray;
+use pellucid_scene::Ray;
 
 /// How world positions are projected along the rays of a light. Texel `(x, y)` is the square from there to
 /// `(x + 1, y + 1)`.

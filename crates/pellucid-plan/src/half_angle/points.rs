@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use pellucid_field::{FieldError, Grid};
+use pellucid_scene::{Stage, StageVolume};
 
 /// Most points of all light volumes of a scene: a gibibyte.
 const MOST_POINTS: usize = 1 << 28;
@@ -24,6 +25,16 @@ pub struct LightPoints {
 }
 
 impl LightPoints {
+    /// The points of a light volume, if what is lit of a volume asks for one: at most `side` along an axis, those of all
+    /// lights along the last.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of(stage: &Stage, volume: &StageVolume, side: usize) -> Result<Option<Self>, FieldError> {
+        let points = |resolution| Self::new(volume.volume.grid(), resolution, stage.lights.len(), side);
+        stage.light_resolution(volume).map(points).transpose()
+    }
+
     /// With `resolution` points for each voxel and axis, for each of so many lights, or as many as there can be: points
     /// of all lights lie one behind the other along the last axis, and no axis has more than `side`.
     ///

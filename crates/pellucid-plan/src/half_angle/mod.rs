@@ -8,12 +8,11 @@ pub mod taps;
 use glam::{DAffine3, DVec3};
 use pellucid_field::Grid;
 use pellucid_optics::{Light, LightKind, Material, OpticsError, ResolvedLight, Scattering};
+use pellucid_scene::{HalfAngle, Stage, StageVolume};
 
 pub use light_frame::LightFrame;
 pub use points::LightPoints;
 pub use slabs::{Slabs, along_light, slice_axis};
-
-use crate::{HalfAngle, Stage, StageVolume};
 
 /// Why the light of a stage cannot be followed from slab to slab.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -1,9 +1,7 @@
 //! What samples that scatter light look up, and what its indirect part loses (6.2, 6.3).
 
-use pellucid_optics::{Albedo, DataRange, LightModel, OpticsError, ScatterTable, StepTable, Table, TransportTable};
-
-use crate::tables::steps;
-use crate::{Mode, Stage, StageVolume, Technique};
+use pellucid_optics::{Albedo, DataRange, OpticsError, ScatterTable, StepTable, Table, TransportTable};
+use pellucid_scene::{Stage, StageVolume};
 
 /// The tables of a stage whose samples scatter light as a cloud; all are empty where they do not.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,21 +27,9 @@ impl LightTables {
         let ratio = stage.step / volume.unit_distance();
         let albedo = (scattering.albedo != Albedo::Color).then(|| {
             let albedo = |value, entry| scattering.at(value, entry).albedo;
-            steps(&table.recolored(albedo), ratio as f32, stage.chroma(volume).as_ref())
+            StepTable::of(&table.recolored(albedo), ratio as f32, stage.chroma(volume).as_ref())
         });
         let transport = stage.half_angle().map(|_| TransportTable::new(scattering, data, ratio)).transpose()?.flatten();
         Ok(Self { scatter: Some(ScatterTable::new(scattering, table, data)?), albedo: albedo.transpose()?, transport })
-    }
-}
-
-impl Stage {
-    /// Whether samples answer light as a cloud, by the volume's `scattering`.
-    pub fn scatters(&self) -> bool {
-        match self.technique {
-            Technique::RayCast(_) | Technique::Slicing(_) => {
-                self.light_model == LightModel::Scattering && *self.mode() == Mode::Composite
-            }
-            Technique::HalfAngle(_) | Technique::PathTrace(_) => true,
-        }
     }
 }

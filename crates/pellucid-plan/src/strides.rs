@@ -3,8 +3,6 @@
 use pellucid_field::{Blocks, distances};
 use pellucid_optics::{Bend, Chroma, OpticsError, StepTable, Table};
 
-use crate::tables::steps;
-
 /// How many samples rays take between two looks at the blocks: asking at every border costs more than
 /// the samples it saves.
 pub const SAMPLES_PER_LOOK: usize = 8;
@@ -53,5 +51,5 @@ pub(crate) fn levels(
 
 /// The tables of all strides: a sample of level l looks at the l-th.
 pub(crate) fn tables(table: &Table, ratio: f32, chroma: Option<&Chroma>) -> Result<Vec<StepTable>, OpticsError> {
-    (0..LEVELS).map(|level| steps(table, ratio * (1 << level) as f32, chroma)).collect()
+    (0..LEVELS).map(|level| StepTable::of(table, ratio * (1 << level) as f32, chroma)).collect()
 }

@@ -1,6 +1,6 @@
 //! Where a slice's indirect light is gathered from (Eq. 6.11, K-09).
 
-use crate::{BlurJitter, BlurScaling, HalfAngle};
+use pellucid_scene::{BlurJitter, BlurScaling, HalfAngle};
 
 /// Offsets of the taps of a slab, as shares of the radius of the blur: corners of a regular polygon, which
 /// neither move light nor, being the same for all texels, lose any. On the rim their second moment is half

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use pellucid_field::{Grid, Volume};
-use pellucid_scene::half_angle::{LightPoints, Slabs};
+use pellucid_plan::cautions;
+use pellucid_plan::half_angle::{LightPoints, Slabs};
 use pellucid_scene::{Format, RenderWarning, Scene};
 use proptest::prelude::*;
 
@@ -13,7 +14,7 @@ fn warnings(grid: Grid, document: &str) -> Vec<RenderWarning> {
     let volume = Arc::new(Volume::new(grid, values).unwrap());
     let scene = Scene::parse(&format!("[[volumes]]\nsource = \"memory\"\n{document}"), Format::Toml);
     let (stage, _) = scene.unwrap_or_else(|error| panic!("{error}")).resolve(&[volume]).unwrap();
-    stage.cautions(usize::MAX).collect()
+    cautions(&stage, usize::MAX).collect()
 }
 
 fn grid(dims: [usize; 3], spacing: [f64; 3]) -> Grid {
