@@ -45,6 +45,7 @@
 
 mod effect;
 mod load;
+mod load_error;
 mod phase_file;
 mod progressive;
 mod renderer;
@@ -56,7 +57,8 @@ mod save;
 struct Readme;
 
 pub use effect::{WithoutEffect, without_effect};
-pub use load::{LoadError, LoadOptions, load, load_optics, load_optics_with, load_with};
+pub use load::{LoadOptions, load, load_optics, load_optics_with, load_with};
+pub use load_error::LoadError;
 pub use pellucid_cpu::{CpuRenderer, InstructionSet};
 pub use progressive::{Passes, Picture, Progressive, Step};
 pub use renderer::{Backend, RenderError, Renderer};

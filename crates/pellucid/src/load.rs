@@ -4,77 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pellucid_field::closed_form::ScalarField;
-use pellucid_field::{FieldError, Grid, Volume, VoxelType, Warning, closed_form, memory, nearest};
+use pellucid_field::{Grid, Volume, VoxelType, Warning, closed_form, memory};
 use pellucid_io::{Endian, IoError, Limits, RawLayout, ReadOptions, Transfer, locate, read_picture};
 use pellucid_model::{Clouds, HeightField, HeightMap, Ramp, Spectral};
-use pellucid_optics::{Environment, OpticsError, SkyMap, SkySource, srgb_decode};
+use pellucid_optics::{Environment, SkyMap, SkySource, srgb_decode};
 use pellucid_scene::{HeightFieldSource, HeightSource, Held, ModelSource, SampleSource, Scene, Source, Technique};
 
-use crate::phase_file;
-
-/// Why the volumes of a scene cannot be loaded.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum LoadError {
-    /// A file cannot be read.
-    #[error(transparent)]
-    Io(#[from] IoError),
-    /// There is no built-in field of that name.
-    #[error("volumes[{volume}].source.sample.name is '{found}'{}; the built-in fields are {known}", pointer(found))]
-    UnknownSample {
-        /// Position in the list of volumes.
-        volume: usize,
-        /// The name.
-        found: String,
-        /// The names there are.
-        known: String,
-    },
-    /// A built-in field, or a model, cannot be sampled so.
-    #[error("volumes[{volume}].source: {source}")]
-    Sample {
-        /// Position in the list of volumes.
-        volume: usize,
-        /// What is impossible.
-        source: FieldError,
-    },
-    /// A built-in field, or a model, does not fit into memory at this resolution.
-    #[error("volumes[{volume}].source: {bytes} bytes of voxels do not fit into memory: choose smaller dims")]
-    Memory {
-        /// Position in the list of volumes.
-        volume: usize,
-        /// Bytes needed.
-        bytes: usize,
-    },
-    /// A file holds what optics cannot be made of.
-    #[error("{}: {error}", path.display())]
-    Optics {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        error: OpticsError,
-    },
-    /// A line of a file cannot be used.
-    #[error("{}, line {line}: {problem}", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// What is wrong with it and what is expected.
-        problem: String,
-    },
-    /// The scene expects a program to bring the voxels.
-    #[error("volumes[{volume}].source is 'memory': only a program that holds the voxels can draw this scene")]
-    Absent {
-        /// Position in the list of volumes.
-        volume: usize,
-    },
-}
-
-/// The question after a name that no built-in field has.
-fn pointer(found: &str) -> String {
-    nearest(found, closed_form::names()).map_or_else(String::new, |name| format!(" (did you mean {name}?)"))
-}
+use crate::{LoadError, phase_file};
 
 /// What a scene may name, and what that may cost.
 ///
