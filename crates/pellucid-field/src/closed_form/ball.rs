@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
-use super::footprint::Footprint;
-use super::number::{Number, value_and_gradient};
-use super::shape::{inside, length};
+use super::footprint::{Footprint, inside};
+use super::formula::value_and_gradient;
+use super::number::Number;
+use super::shape::length;
 use super::{About, ScalarField};
 use crate::VoxelType;
 

@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 
-use super::footprint::Footprint;
+use super::footprint::{Footprint, inside};
+use super::formula::value_and_gradient;
 use super::noise::{WAVES, noise};
-use super::number::{Number, value_and_gradient};
-use super::shape::{common, ellipsoid, inside, join};
+use super::number::Number;
+use super::shape::{common, ellipsoid, join};
 use super::{About, ScalarField};
 use crate::VoxelType;
 

@@ -1,7 +1,6 @@
 //! What of a shape a voxel sees: edges as wide, and thin things as faint, as their mean over it.
 
 use super::number::Number;
-use super::shape::inside;
 
 /// Width of the narrowest edge that a grid holds, in voxels. The quintic step over three is the mean of a sharp
 /// edge under a kernel with a standard deviation of 0.57 voxels, that of a cubic B-spline: what it passes
@@ -11,6 +10,12 @@ const EDGE: f64 = 3.0;
 /// The same for large even surfaces, where the trilinear interpolation of narrower edges still shows as rings:
 /// normals of a ball's isosurface are 3 degrees off at 3 voxels, and 1.4 at 4.5.
 const SMOOTH: f64 = 4.5;
+
+/// Share of a small neighbourhood that lies inside a shape: 1 inside, 0 outside, 1/2 on the
+/// surface, with an edge `width` wide.
+pub(super) fn inside<N: Number>(distance: N, width: f64) -> N {
+    (distance * -width.recip() + 0.5).smoothstep()
+}
 
 /// The width of a voxel that sees a field; 0 for the field itself.
 #[derive(Clone, Copy, Debug)]

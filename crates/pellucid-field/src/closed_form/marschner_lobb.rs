@@ -4,7 +4,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec3;
 
-use super::number::{Number, value_and_gradient};
+use super::formula::value_and_gradient;
+use super::number::Number;
 use super::{About, ScalarField};
 use crate::VoxelType;
 

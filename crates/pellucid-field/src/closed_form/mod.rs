@@ -4,6 +4,7 @@
 mod ball;
 mod cloud;
 mod footprint;
+mod formula;
 mod head;
 mod hydrogen;
 mod marschner_lobb;

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::number::{Number, value_and_gradient};
+use super::formula::value_and_gradient;
+use super::number::Number;
 use super::{About, ScalarField};
 use crate::VoxelType;
 

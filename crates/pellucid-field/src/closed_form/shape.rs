@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::footprint::Footprint;
+use super::footprint::{Footprint, inside};
 use super::number::Number;
 
 /// `p - center`.
@@ -57,12 +57,6 @@ pub(super) fn join<N: Number>(a: N, b: N, fillet: f64) -> N {
 /// What `a` and `b` have in common, with a rounded edge.
 pub(super) fn common<N: Number>(a: N, b: N, fillet: f64) -> N {
     -join(-a, -b, fillet)
-}
-
-/// Share of a small neighbourhood that lies inside a shape: 1 inside, 0 outside, 1/2 on the
-/// surface, with an edge `width` wide.
-pub(super) fn inside<N: Number>(distance: N, width: f64) -> N {
-    (distance * -width.recip() + 0.5).smoothstep()
 }
 
 /// Share of a voxel inside an ellipsoid with an edge `own` wide, cheap where there is nothing.

@@ -5,7 +5,8 @@ use std::f64::consts::{PI, TAU};
 use glam::{DQuat, DVec3};
 
 use super::footprint::Footprint;
-use super::number::{Number, value_and_gradient};
+use super::formula::value_and_gradient;
+use super::number::Number;
 use super::shape::{Bundle, Path, blob, common, ellipsoid};
 use super::{About, ScalarField};
 use crate::VoxelType;

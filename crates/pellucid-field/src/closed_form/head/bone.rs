@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
+use super::super::footprint::inside;
 use super::super::noise::fractal;
 use super::super::number::Number;
-use super::super::shape::{Path, common, ellipsoid, inside, join, length, relative, ring, rod};
+use super::super::shape::{Path, common, ellipsoid, join, length, relative, ring, rod};
 use super::{EDGE, Tissue, hu};
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {

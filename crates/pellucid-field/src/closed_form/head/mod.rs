@@ -11,9 +11,10 @@ mod vessels;
 
 use glam::DVec3;
 
-use super::footprint::Footprint;
-use super::number::{Number, value_and_gradient};
-use super::shape::{bar, blob, inside};
+use super::footprint::{Footprint, inside};
+use super::formula::value_and_gradient;
+use super::number::Number;
+use super::shape::{bar, blob};
 use super::{About, ScalarField};
 use crate::VoxelType;
 
