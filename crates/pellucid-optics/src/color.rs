@@ -10,7 +10,7 @@ use pellucid_field::nearest;
 
 use crate::OpticsError;
 use crate::color_names::COLOR_NAMES;
-use crate::control_point::exactly;
+use crate::sequence::exactly;
 
 /// The space colours are given and interpolated in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]

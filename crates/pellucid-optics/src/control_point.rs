@@ -4,10 +4,11 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use schemars::JsonSchema;
-use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{DeserializeOwned, DeserializeSeed, Error, Expected, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{DeserializeOwned, DeserializeSeed, Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::sequence::exactly;
 use crate::{Color, OpticsError};
 
 /// How a curve runs from one control point to the next.
@@ -364,19 +365,5 @@ where
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Point, A::Error> {
         Table::deserialize(MapAccessDeserializer::new(map)).map(Into::into)
-    }
-}
-
-/// Reads a fixed number of elements and makes sure that they are all: some formats drop the rest
-/// of a sequence without a word.
-pub(crate) fn exactly<'de, T: Deserialize<'de>, A: SeqAccess<'de>>(
-    mut seq: A,
-    length: usize,
-    expected: &dyn Expected,
-) -> Result<T, A::Error> {
-    let elements = T::deserialize(SeqAccessDeserializer::new(&mut seq))?;
-    match seq.next_element::<IgnoredAny>()? {
-        None => Ok(elements),
-        Some(_) => Err(A::Error::invalid_length(length + 1, expected)),
     }
 }

@@ -5,7 +5,6 @@
 
 use std::sync::Arc;
 
-use crate::Nodes;
 use crate::curves::Curves;
 
 /// A value at which there is a node.
@@ -30,6 +29,9 @@ pub(crate) struct Knots {
 }
 
 impl Knots {
+    /// The largest table: one node per level of 16-bit data.
+    pub const MOST_NODES: usize = 65_536;
+
     /// So many cells behind each break but the last; `None` unless there are two breaks, and all of it fits in `f32`.
     pub fn new(breaks: Vec<Break>, cells: &[usize]) -> Option<Arc<Self>> {
         let (first, last) = (breaks.first()?, breaks.last()?);
@@ -49,7 +51,7 @@ impl Knots {
             nodes.push(node + cells);
         }
         let end = nodes[nodes.len() - 1];
-        if end >= Nodes::MOST {
+        if end >= Self::MOST_NODES {
             return None;
         }
         // Behind the last break nothing changes; the slope keeps differences that overflow from being no numbers.

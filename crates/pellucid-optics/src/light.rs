@@ -268,6 +268,21 @@ impl ResolvedLight {
         self.shape
     }
 
+    /// What shines around its middle.
+    pub fn extent(&self) -> Extent {
+        self.extent
+    }
+
+    /// Whether it has a size; otherwise it is met by choice alone, never by chance.
+    pub fn has_extent(&self) -> bool {
+        self.extent != Extent::Point
+    }
+
+    /// Whether it is a flat face, which shines less to its sides.
+    pub fn is_face(&self) -> bool {
+        matches!(self.extent, Extent::Face(_))
+    }
+
     /// Its linear RGB radiance, where it is not weakened.
     pub fn radiance(&self) -> [f32; 3] {
         self.radiance

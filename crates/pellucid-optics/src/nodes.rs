@@ -55,7 +55,7 @@ pub struct Nodes {
 
 impl Nodes {
     /// The largest table: one node per level of 16-bit data.
-    pub const MOST: usize = 65_536;
+    pub const MOST: usize = Knots::MOST_NODES;
     /// The smallest table that is chosen for data: what 8-bit data need.
     pub const FEWEST: usize = 256;
 
