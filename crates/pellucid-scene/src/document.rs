@@ -8,27 +8,7 @@ use serde_path_to_error::Segment;
 use crate::citations;
 use crate::locate::{Step, line_of, locate, path, steps};
 use crate::meant::pointed;
-use crate::{Invalid, Scene};
-
-/// The text formats of a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// `.toml`
-    Toml,
-    /// `.json`
-    Json,
-}
-
-impl Format {
-    /// The format of a file name, if its extension is one of ours.
-    pub fn of(path: &std::path::Path) -> Option<Self> {
-        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "toml" => Some(Self::Toml),
-            "json" => Some(Self::Json),
-            _ => None,
-        }
-    }
-}
+use crate::{Format, Invalid, Scene};
 
 /// Why a text is not a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

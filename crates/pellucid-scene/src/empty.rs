@@ -6,7 +6,14 @@ use glam::DVec3;
 use pellucid_field::{Grid, Short};
 use pellucid_optics::{DataRange, Table, Visibility};
 
-use crate::{Crop, Frame, Mode, Slice, Stage, StageVolume};
+use crate::{Crop, Frame, Mode, RenderWarning, Slice, Stage, StageVolume};
+
+impl RenderWarning {
+    /// The picture of a stage is empty although this many rays met the volume.
+    pub fn empty(stage: &Stage, rays_hit: u64) -> Self {
+        Self::Empty { reason: stage.why_empty(rays_hit) }
+    }
+}
 
 impl Stage {
     /// Whether nothing of a frame reaches half a step of 8 bits.

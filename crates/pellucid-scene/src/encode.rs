@@ -4,7 +4,7 @@ use pellucid_field::parallel;
 use pellucid_optics::srgb_encode;
 use rayon::prelude::*;
 
-use crate::srgb8::SRGB8;
+use crate::srgb8::{SRGB8, nearest, part};
 use crate::{Background, Encoding, Frame, ImageSettings};
 
 impl Frame {
@@ -132,39 +132,5 @@ impl Backdrop {
         // No file has more light than 1.
         let alpha = a.max(part(r.max(g).max(b)));
         if alpha > 0.0 { [r / alpha, g / alpha, b / alpha, alpha] } else { [r, g, b, alpha] }
-    }
-}
-
-/// The number as a part of 0 to 1; NaN is 0.
-#[inline(always)]
-pub fn part(v: f32) -> f32 {
-    if v > 0.0 { v.min(1.0) } else { 0.0 }
-}
-
-/// The nearest whole number of a number of 0 to 65535, halves up. `f32::round` and casts are calls
-/// and branches on the oldest processors; this becomes a few instructions for several numbers.
-#[inline(always)]
-pub fn nearest(v: f32) -> u32 {
-    /// From here on floats have no fractions: a sum is rounded, halves to even.
-    const WHOLE: f32 = (1 << 23) as f32;
-    let sum = v + WHOLE;
-    let low_bits = sum.to_bits() - WHOLE.to_bits();
-    low_bits + u32::from(v - (sum - WHOLE) >= 0.5)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn nearest_rounds_as_the_standard_library_does() {
-        let halves = (0..65535u16).flat_map(|k| {
-            let half = f32::from(k) + 0.5;
-            [half.next_down(), half, half.next_up()]
-        });
-        for v in halves.chain((0..1_000_000).map(|k| k as f32 * 0.06553)) {
-            assert_eq!(nearest(v), v.round() as u32, "{v}");
-        }
-        assert_eq!([f32::NAN, -1.0, -0.0, 2.0, 0.25].map(part), [0.0, 0.0, 0.0, 1.0, 0.25]);
     }
 }

@@ -19,7 +19,9 @@ mod document;
 mod empty;
 mod encode;
 mod files;
+mod format;
 mod frame;
+mod frame_statistics;
 mod framing;
 mod image;
 mod locate;
@@ -29,10 +31,12 @@ mod model_source;
 mod origin;
 mod population;
 mod quality;
+mod render_warning;
 mod resolve;
 mod scene;
 mod srgb8;
 mod stage;
+mod stage_volume;
 mod technique;
 
 pub use camera::{Camera, Framing, LookAt, Orbit, Projection, Ray, View, Viewpoint};
@@ -41,15 +45,20 @@ pub use choice::Choice;
 pub use clip::{Clip, Region};
 pub use control::{Cancel, Cancelled, Control};
 pub use denoise::denoise;
-pub use document::{DocumentError, Format, json_schema};
-pub use frame::{Frame, FrameStatistics, RenderWarning};
+pub use document::{DocumentError, json_schema};
+pub use format::Format;
+pub use frame::Frame;
+pub use frame_statistics::FrameStatistics;
 pub use image::{Background, Encoding, ImageSettings};
 pub use look::Look;
 pub use meant::{meant, pointed};
 pub use model_source::{CloudsSource, HeightFieldSource, HeightSource, ModelSource, SpectralSource};
 pub use quality::{Classification, Jitter, Quality};
-pub use resolve::{ResolveError, Stage, StageVolume};
+pub use render_warning::RenderWarning;
+pub use resolve::ResolveError;
 pub use scene::{Crop, Held, SampleSource, Scene, Source, VolumeEntry};
+pub use stage::Stage;
+pub use stage_volume::StageVolume;
 pub use technique::{
     BlendOrder, BlurJitter, BlurScaling, ColorWeight, Combine, Correction, HalfAngle, InScatter, Isosurface, Isovalue,
     LightCorrection, Majorants, Mode, PathTrace, Proxy, RayCast, Slice, SliceGeometry, SliceTarget, Slicing, Technique,

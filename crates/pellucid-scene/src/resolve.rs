@@ -5,10 +5,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use pellucid_field::{FieldError, Grid, Volume};
-use pellucid_optics::{
-    GradientWeight, Light, LightModel, Lighting, Material, OpticsError, Perturbation, Preset, ResolvedLight, Scale,
-    Scattering, Shadows, TransferFunction,
-};
+use pellucid_optics::{Light, Lighting, OpticsError, Preset, ResolvedLight, Scale};
 
 use serde_json::json;
 
@@ -17,79 +14,7 @@ use crate::brightness::brightness;
 use crate::choice::Choice;
 use crate::framing::Framed;
 use crate::origin::{counted_from, origin_of};
-use crate::{Crop, ImageSettings, Invalid, Mode, Quality, Region, Scene, Slice, Technique, Viewpoint, VolumeEntry};
-
-/// A volume with its optics, nothing left to choose.
-#[derive(Clone, Debug)]
-pub struct StageVolume {
-    /// The voxels.
-    pub volume: Arc<Volume>,
-    /// The component drawn.
-    pub component: usize,
-    /// The transfer function; its unit distance is set.
-    pub transfer_function: TransferFunction,
-    /// How surfaces reflect; `None` leaves them unlit.
-    pub material: Option<Material>,
-    /// Gradient magnitudes between which unlit turns into lit, if shading is weighted.
-    pub gradient_weight: Option<GradientWeight>,
-    /// How light is scattered.
-    pub scattering: Scattering,
-    /// Noise that displaces it and varies its optics.
-    pub perturbation: Perturbation,
-    /// Where in the world this volume is not clipped or cropped away.
-    pub region: Region,
-    /// The crop that is a part of the region.
-    pub crop: Option<Crop>,
-    /// The data value that all values count from, of the volume, its optics and isosurfaces: 0, or the smallest of
-    /// integers that single precision would not tell apart.
-    pub origin: f64,
-}
-
-impl StageVolume {
-    /// World distance the transfer function's opacities hold for.
-    pub fn unit_distance(&self) -> f64 {
-        self.transfer_function.unit_distance().unwrap_or_else(|| self.volume.grid().mean_spacing())
-    }
-
-    /// The world position that a slice passes through: its own, or the middle of what the crop leaves of the grid.
-    pub fn slice_point(&self, slice: &Slice) -> DVec3 {
-        slice.point.map_or_else(|| self.middle(), DVec3::from_array)
-    }
-
-    fn middle(&self) -> DVec3 {
-        let grid = self.volume.grid();
-        let (mut from, mut to) = grid.index_bounds();
-        if let Some(crop) = self.crop {
-            [from, to] = [crop.from, crop.to].map(|bound| DVec3::from_array(bound).clamp(from, to));
-        }
-        grid.world_from_index().transform_point3((from + to) / 2.0)
-    }
-}
-
-/// A scene with nothing left to choose: what a backend draws.
-#[derive(Clone, Debug)]
-pub struct Stage {
-    /// The volumes.
-    pub volumes: Vec<StageVolume>,
-    /// The camera and the size of the picture.
-    pub viewpoint: Viewpoint,
-    /// Lights, all in the world's frame.
-    pub lights: Vec<ResolvedLight>,
-    /// Light from everywhere, reflected by the materials' ambient part.
-    pub ambient: f32,
-    /// Whether what lies between a light and a sample holds light back.
-    pub shadows: Shadows,
-    /// How samples answer light.
-    pub light_model: LightModel,
-    /// Technique and its settings; isovalues ascend.
-    pub technique: Technique,
-    /// Quality settings.
-    pub quality: Quality,
-    /// Background and encoding.
-    pub image: ImageSettings,
-    /// Distance between samples in world units.
-    pub step: f64,
-}
+use crate::{Crop, ImageSettings, Invalid, Mode, Region, Scene, Stage, StageVolume, Technique, Viewpoint, VolumeEntry};
 
 /// Why a scene does not fit its volumes.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -4,8 +4,6 @@ use std::sync::LazyLock;
 
 use pellucid_optics::srgb_encode;
 
-use crate::encode::{nearest, part};
-
 /// Bins around equidistant numbers of 0..=1. The curve is steepest at 0, 12.92 * 255 codes per unit: a bin of this
 /// width meets at most one change of code.
 const BINS: u16 = 4096;
@@ -56,6 +54,23 @@ fn first_above(code: u8) -> f32 {
     f32::from_bits(above)
 }
 
+/// The number as a part of 0 to 1; NaN is 0.
+#[inline(always)]
+pub fn part(v: f32) -> f32 {
+    if v > 0.0 { v.min(1.0) } else { 0.0 }
+}
+
+/// The nearest whole number of a number of 0 to 65535, halves up. `f32::round` and casts are calls
+/// and branches on the oldest processors; this becomes a few instructions for several numbers.
+#[inline(always)]
+pub fn nearest(v: f32) -> u32 {
+    /// From here on floats have no fractions: a sum is rounded, halves to even.
+    const WHOLE: f32 = (1 << 23) as f32;
+    let sum = v + WHOLE;
+    let low_bits = sum.to_bits() - WHOLE.to_bits();
+    low_bits + u32::from(v - (sum - WHOLE) >= 0.5)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -82,5 +97,17 @@ mod tests {
         for (light, code) in [(-1.0, 0), (-0.0, 0), (f32::NAN, 0), (1.5, 255), (f32::INFINITY, 255)] {
             assert_eq!(SRGB8.code(light), code, "{light}");
         }
+    }
+
+    #[test]
+    fn nearest_rounds_as_the_standard_library_does() {
+        let halves = (0..65535u16).flat_map(|k| {
+            let half = f32::from(k) + 0.5;
+            [half.next_down(), half, half.next_up()]
+        });
+        for v in halves.chain((0..1_000_000).map(|k| k as f32 * 0.06553)) {
+            assert_eq!(nearest(v), v.round() as u32, "{v}");
+        }
+        assert_eq!([f32::NAN, -1.0, -0.0, 2.0, 0.25].map(part), [0.0, 0.0, 0.0, 1.0, 0.25]);
     }
 }

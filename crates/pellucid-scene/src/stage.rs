@@ -1,15 +1,40 @@
-//! What every backend asks of a stage before it draws.
+//! What a backend draws, and what every one asks of it before.
 
 use glam::DVec3;
 use pellucid_field::parallel;
-use pellucid_optics::{Chroma, LightModel, ShadowRays, ShadowVolume, Shadows, Sky};
+use pellucid_optics::{Chroma, LightModel, ResolvedLight, ShadowRays, ShadowVolume, Shadows, Sky};
 use rayon::prelude::*;
 
 use crate::origin::smallest_difference;
 use crate::{
-    Background, Classification, HalfAngle, Mode, PathTrace, Region, RenderWarning, Slice, Slicing, Stage, StageVolume,
-    Technique,
+    Background, Classification, HalfAngle, ImageSettings, Mode, PathTrace, Quality, Region, RenderWarning, Slice,
+    Slicing, StageVolume, Technique, Viewpoint,
 };
+
+/// A scene with nothing left to choose: what a backend draws.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// The volumes.
+    pub volumes: Vec<StageVolume>,
+    /// The camera and the size of the picture.
+    pub viewpoint: Viewpoint,
+    /// Lights, all in the world's frame.
+    pub lights: Vec<ResolvedLight>,
+    /// Light from everywhere, reflected by the materials' ambient part.
+    pub ambient: f32,
+    /// Whether what lies between a light and a sample holds light back.
+    pub shadows: Shadows,
+    /// How samples answer light.
+    pub light_model: LightModel,
+    /// Technique and its settings; isovalues ascend.
+    pub technique: Technique,
+    /// Quality settings.
+    pub quality: Quality,
+    /// Background and encoding.
+    pub image: ImageSettings,
+    /// Distance between samples in world units.
+    pub step: f64,
+}
 
 impl Stage {
     /// What is made of the samples.

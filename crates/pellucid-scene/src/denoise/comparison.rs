@@ -1,16 +1,13 @@
 //! How alike the pixels of a few rows are to others, for one offset to those after the other: patches that are compared
 //! overlap, and their sums are made once (Darbon et al. 2008).
 
-use super::guides::Guides;
+use super::guides::{Guides, REACH};
 
 /// Rows of a band: few enough to stay in cache, many enough for those of patches beyond its ends not to matter.
 const ROWS: usize = 16;
 
 /// Pixels around two that are compared, on each side.
 const PATCH: isize = 1;
-
-/// How far neighbours are looked for, in pixels.
-pub const REACH: isize = 5;
 
 /// Weights below this one are none: they would move less than a display shows.
 const LEAST: f32 = 0.003;

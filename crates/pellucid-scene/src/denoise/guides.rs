@@ -3,8 +3,10 @@
 use glam::Vec3;
 use pellucid_optics::luminance;
 
-use super::comparison::REACH;
 use crate::Frame;
+
+/// How far neighbours are looked for, in pixels.
+pub const REACH: isize = 5;
 
 /// How sharply pixels are told apart by the angle between their normals: a power of its cosine.
 const FACING: i32 = 16;
