@@ -31,6 +31,7 @@
 
 mod atomic;
 mod body;
+mod description;
 mod encoding;
 mod error;
 mod file_names;
@@ -46,6 +47,7 @@ mod options;
 mod payload;
 mod picture;
 mod raw;
+mod raw_layout;
 mod source;
 mod stored;
 mod stream;
@@ -63,7 +65,7 @@ pub use picture::{
     Picture, PngPixels, Transfer, is_guarded, read_exr, read_picture, read_picture_bytes, read_png, write_exr,
     write_png,
 };
-pub use raw::RawLayout;
+pub use raw_layout::RawLayout;
 pub use source::Mapping;
 pub use stored::{Endian, StoredType};
 pub use volumes::{read, read_bytes, write};

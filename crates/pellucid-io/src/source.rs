@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::lookahead::Lookahead;
-use crate::{IoError, ReadOptions, open_regular};
+use crate::{IoError, open_regular};
 
 /// Shared bytes that decoders and mapped volumes keep alive.
 pub(crate) type Bytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
@@ -53,10 +53,11 @@ enum Content {
 }
 
 impl Source {
-    pub fn open(path: &Path, options: &ReadOptions) -> Result<Self, IoError> {
+    /// Opens a regular file, and maps it with leave to do so.
+    pub fn open(path: &Path, mapping: Option<Mapping>) -> Result<Self, IoError> {
         let file = open_regular(path)?;
         let length = file.metadata().map_err(IoError::io(path))?.len();
-        let content = match options.map {
+        let content = match mapping {
             Some(mapping) => Content::Memory(mapping.map(&file).map_err(IoError::io(path))?),
             None => Content::File(Arc::new(file)),
         };

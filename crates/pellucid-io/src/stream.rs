@@ -54,7 +54,7 @@ impl<'a> Stream<'a> {
             Parts::Files(files) => {
                 let folder = payload.header.parent().unwrap_or(Path::new(""));
                 let path = locate(folder, files.get(self.next), self.options.outside)?;
-                (Source::open(&path, self.options)?, 0)
+                (Source::open(&path, self.options.map)?, 0)
             }
         };
         self.next += 1;

@@ -2,27 +2,13 @@
 
 use std::path::Path;
 
-use glam::DAffine3;
-use pellucid_field::{FieldError, Grid, ValueMap, Volume, Warning};
+use pellucid_field::{FieldError, Grid, Volume, Warning};
 
+use crate::description::Description;
 use crate::header::LONGEST_HEADER;
 use crate::options::{is_gzip_name, plain_extension};
-use crate::payload::Payload;
 use crate::source::Source;
 use crate::{Format, IoError, Loaded, ReadOptions, WriteOptions, metaimage, nifti, nrrd, raw, values};
-
-/// What a header says.
-pub(crate) struct Description {
-    pub dims: [usize; 3],
-    pub world_from_index: DAffine3,
-    pub components: usize,
-    pub value_map: ValueMap,
-    pub value_unit: Option<String>,
-    pub length_unit: Option<String>,
-    pub is_anatomical: bool,
-    pub payload: Payload,
-    pub warnings: Vec<Warning>,
-}
 
 /// Reads a volume, in the format its content shows (or the extension, where the content is not
 /// distinctive).
@@ -36,7 +22,7 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, IoE
         "img" if options.raw.is_none() => nifti::header_of_image(path),
         _ => path.to_owned(),
     };
-    load(&Source::open(&header, options)?, options)
+    load(&Source::open(&header, options.map)?, options)
 }
 
 /// Reads a volume from bytes in memory as if they were the content of the file `name`, whose
@@ -131,22 +117,4 @@ fn unknown(path: &Path, advice: &str) -> IoError {
 fn short_name(path: &Path) -> String {
     let plain = if is_gzip_name(path) { path.with_extension("") } else { path.to_owned() };
     plain.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
-}
-
-/// Checks the time point a caller asks for, and warns of those that are not read.
-pub(crate) fn choose_time(
-    path: &Path,
-    frames: u64,
-    options: &ReadOptions,
-    warnings: &mut Vec<Warning>,
-) -> Result<u64, IoError> {
-    let time = options.time as u64;
-    if time >= frames {
-        let advice = format!("the file has {frames}, counted from 0");
-        return Err(IoError::unsupported(path, "time point", time, advice));
-    }
-    if frames > 1 {
-        warnings.push(Warning::File(format!("{frames} time points: only number {time}, counted from 0, is read")));
-    }
-    Ok(time)
 }

@@ -5,12 +5,12 @@ use std::collections::HashMap;
 use glam::DVec3;
 use pellucid_field::{ValueMap, VoxelType, Warning};
 
+use crate::description::{Description, choose_time};
 use crate::encoding::Encoding;
 use crate::file_names::FileNames;
 use crate::header::{Field, Lines};
 use crate::payload::{Parts, Payload, Skip};
 use crate::source::Source;
-use crate::volumes::{Description, choose_time};
 use crate::world::{Frame, affine_from_steps, millimetres, to_world};
 use crate::{Endian, IoError, ReadOptions, StoredType};
 

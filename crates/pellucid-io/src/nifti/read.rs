@@ -6,12 +6,12 @@ use pellucid_field::{ValueMap, Warning};
 
 use super::geometry::world_from_index;
 use super::header::{Header, is_gzip};
+use crate::description::{Description, choose_time};
 use crate::encoding::Encoding;
 use crate::file_names::FileNames;
 use crate::options::is_gzip_name;
 use crate::payload::{Parts, Payload, Skip};
 use crate::source::Source;
-use crate::volumes::{Description, choose_time};
 use crate::{IoError, ReadOptions};
 
 /// How to read a NIfTI file.

@@ -4,11 +4,11 @@ use pellucid_field::{ValueMap, VoxelType, Warning};
 
 use super::axes::Shape;
 use super::fields::Header;
+use crate::description::{Description, choose_time};
 use crate::encoding::Encoding;
 use crate::header::Field;
 use crate::payload::{Payload, Skip};
 use crate::source::Source;
-use crate::volumes::{Description, choose_time};
 use crate::{Endian, IoError, ReadOptions, StoredType};
 
 /// How to read a NRRD file.
