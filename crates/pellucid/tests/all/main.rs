@@ -10,6 +10,7 @@ mod gpu;
 mod gpu_fields;
 mod gpu_values;
 mod gpu_views;
+mod house;
 mod load_optics;
 mod models;
 mod passes;

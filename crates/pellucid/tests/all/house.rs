@@ -1,0 +1,152 @@
+//! What the house promises of itself: no two files of a crate import each other, directly or around, and a
+//! crate uses only what ARCHITECTURE.md's table of rooms gives it.
+
+mod imports;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use imports::{Crate, Module};
+
+/// Circles of files that still stand, by crate. The list has to be exactly what is found: whoever mends a circle takes
+/// it from here, and none comes back unseen.
+const STANDING_CIRCLES: &[(&str, &[&str])] = &[
+    (
+        "pellucid-cpu",
+        &[
+            "half_angle/advance",
+            "half_angle/blur",
+            "half_angle/lengths",
+            "half_angle/matter",
+            "half_angle/sweep",
+            "half_angle/work",
+            "prepare",
+            "shadow/volume",
+        ],
+    ),
+    ("pellucid-gpu", &["bindings", "half_angle", "light_volume", "path_trace", "ray_cast", "renderer", "slicing"]),
+    ("pellucid-gpu", &["plan", "resident"]),
+];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// Every crate of the workspace by its name.
+fn crates() -> BTreeMap<String, Crate> {
+    let folders = fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().path());
+    let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
+    folders.map(|path| (name(&path), Crate::read(&path.join("src")))).collect()
+}
+
+fn list(items: &[impl ToString]) -> String {
+    items.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// Fails unless what is found, by crate and with what is to be told of it, is exactly what stands.
+fn hold(found: &BTreeMap<(String, String), String>, standing: impl Iterator<Item = (String, String)>, advice: &str) {
+    let standing: BTreeSet<_> = standing.collect();
+    let new = found.iter().filter(|(key, _)| !standing.contains(key));
+    let new: String = new.map(|((own, what), told)| format!("{own}: {what}\n{told}")).collect();
+    assert!(new.is_empty(), "{advice}\n{new}");
+    let mended: Vec<_> = standing.iter().filter(|key| !found.contains_key(key)).collect();
+    assert!(mended.is_empty(), "these stand no more, take them from the list: {mended:#?}");
+}
+
+#[test]
+fn no_two_files_of_a_crate_import_each_other() {
+    let crates = crates();
+    let files: usize = crates.values().map(|own| own.files().count()).sum();
+    let imports: usize = crates.values().flat_map(|own| own.imports().into_values()).map(|targets| targets.len()).sum();
+    assert!(files > 250 && imports > 700, "only {imports} imports were found in {files} files: not all were read");
+
+    let circles =
+        crates.iter().flat_map(|(name, own)| own.circles().into_iter().map(move |circle| (name, own, circle)));
+    let told = |(name, own, circle): (&String, &Crate, Vec<Module>)| ((name.clone(), list(&circle)), own.tell(&circle));
+    let standing = STANDING_CIRCLES.iter().map(|(name, files)| (name.to_string(), files.join(", ")));
+    let advice = "files import each other, directly or around: what they share belongs in a file that both import";
+    hold(&circles.map(told).collect(), standing, advice);
+}
+
+/// The table of rooms: each crate, in order, and those it may use.
+fn rooms() -> Vec<(String, Vec<String>)> {
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let mut rooms: Vec<(String, Vec<String>)> = Vec::new();
+    for row in text.lines().filter(|line| line.starts_with("| `pellucid")) {
+        let cells: Vec<&str> = row.trim_matches('|').split(" | ").map(str::trim).collect();
+        let [name, .., uses] = cells[..] else { panic!("a row of the table of rooms has one cell: {row}") };
+        let full = |short: &str| if short == "pellucid" { short.to_owned() } else { format!("pellucid-{short}") };
+        let uses = match uses {
+            "maths only" => Vec::new(),
+            "all above" => rooms.iter().map(|(name, _)| name.clone()).collect(),
+            listed => listed.split(", ").map(full).collect(),
+        };
+        let above: BTreeSet<&String> = rooms.iter().map(|(name, _)| name).collect();
+        assert!(
+            uses.iter().all(|used| above.contains(used)),
+            "{name} uses what is not above it in the table: {uses:?}"
+        );
+        rooms.push((name.trim_matches('`').to_owned(), uses));
+    }
+    rooms
+}
+
+/// The workspace's crates among the dependencies in a manifest, those of tests left out.
+fn dependencies(manifest: &str) -> Vec<String> {
+    let mut dependencies = Vec::new();
+    let mut counts = false;
+    for line in manifest.lines() {
+        if let Some(section) = line.strip_prefix('[') {
+            counts = section.contains("dependencies") && !section.contains("dev-dependencies");
+        } else if counts && line.starts_with("pellucid") {
+            dependencies.extend(line.split(['.', ' ', '=']).next().map(str::to_owned));
+        }
+    }
+    dependencies
+}
+
+#[test]
+fn a_crate_uses_only_what_the_table_of_rooms_gives_it() {
+    let rooms = rooms();
+    let named: BTreeSet<String> = rooms.iter().map(|(name, _)| name.clone()).collect();
+    assert_eq!(named, crates().into_keys().collect(), "the table of rooms, and the crates there are");
+    let mut found = 0;
+    for (name, uses) in rooms {
+        let manifest = fs::read_to_string(root().join("crates").join(&name).join("Cargo.toml")).unwrap();
+        let dependencies = dependencies(&manifest);
+        found += dependencies.len();
+        let strange: Vec<&String> = dependencies.iter().filter(|used| !uses.contains(used)).collect();
+        assert!(strange.is_empty(), "{name} depends on {strange:?}; the table of rooms gives it {uses:?}");
+    }
+    assert!(found > 15, "only {found} dependencies were found: the manifests were not read");
+}
+
+#[test]
+fn a_circle_that_is_made_up_is_found() {
+    let own = Crate::of([
+        ("lib.rs", "mod a; mod b; mod c; mod far; pub use c::Third; use a::{One, Two};"),
+        // Nested braces, a renamed module by which a function is called, and a re-export of the parent's.
+        (
+            "a.rs",
+            "use std::{fmt, io::{self, Read}}; use crate::{b as other, far::{deep::{self, Deep}}}; fn f() { other::g() }",
+        ),
+        ("b.rs", "/* use crate::a; */ fn g() -> &'static str { crate::Third::new(); \"use crate::far;\" }"),
+        ("c.rs", "use super::far; #[cfg(test)] mod tests { use crate::b; } struct Third<'a>(&'a str);"),
+        ("far/mod.rs", "mod deep; mod near; pub use self::deep::Deep;"),
+        ("far/deep.rs", "use super::near::Near; macro_rules! m { () => { $crate::a::One } }"),
+        ("far/near.rs", "use super::Deep; struct Near; enum Deep {}"),
+        ("far/tests.rs", "use crate::c;"),
+    ]);
+    let circles = own.circles();
+    assert_eq!(circles.iter().map(|circle| list(circle)).collect::<Vec<_>>(), ["a, far/deep, far/near"]);
+    let told = own.tell(circles.first().unwrap());
+    for line in
+        ["a imports far/deep (crate::far::deep)", "far/deep imports a (crate::a::One)", "far/near imports far/deep"]
+    {
+        assert!(told.contains(line), "{line} is not in\n{told}");
+    }
+    // Neither comments nor texts nor tests import.
+    let of = |file| list(&own.imports()[&Module::of(file).unwrap()].keys().collect::<Vec<_>>());
+    assert_eq!([of("a.rs"), of("b.rs"), of("c.rs")], ["b, far/deep", "c", "far"]);
+}
