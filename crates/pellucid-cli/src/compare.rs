@@ -123,7 +123,7 @@ impl FromStr for Rendition {
 }
 
 /// A picture and its figures.
-struct Drawn {
+struct Compared {
     label: String,
     renderer: String,
     rgba: Vec<u8>,
@@ -149,7 +149,7 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     warnings.extend(idle);
     warnings.extend(of_settings);
     report.opening(&scene, &volumes, &choices, &warnings);
-    let mut drawn: Vec<Drawn> = Vec::new();
+    let mut drawn: Vec<Compared> = Vec::new();
     for rendition in args.renditions() {
         let plan = Plan {
             engine: rendition.backend.map_or_else(|| args.engine.clone(), |backend| args.engine.on(backend)),
@@ -192,8 +192,8 @@ fn draw(
     scene: &Scene,
     volumes: &[std::sync::Arc<Volume>],
     plan: Plan,
-    reference: Option<&Drawn>,
-) -> Result<Drawn, Failure> {
+    reference: Option<&Compared>,
+) -> Result<Compared, Failure> {
     let mut scene = scene.clone();
     if let Some(technique) = rendition.technique {
         scene.technique = technique.like(&scene.technique);
@@ -203,7 +203,7 @@ fn draw(
     let (timing, frame): (_, Frame) = still(&scene, volumes, &mut meter)?;
     let rgba = frame.to_rgba8(&scene.image);
     let error = reference.map_or_else(|| Difference::between(&rgba, &rgba), |of| Difference::between(&of.rgba, &rgba));
-    Ok(Drawn {
+    Ok(Compared {
         label: rendition.label.clone(),
         renderer: meter.describe(),
         median_ms: timing.median_ms(),
@@ -214,7 +214,7 @@ fn draw(
 }
 
 /// The pictures above their differences from the first.
-fn sheet(path: &std::path::Path, drawn: &[Drawn], image: &ImageSettings, gain: f32) -> Result<(), Failure> {
+fn sheet(path: &std::path::Path, drawn: &[Compared], image: &ImageSettings, gain: f32) -> Result<(), Failure> {
     let (width, height) = (image.width as usize, image.height as usize);
     let columns = drawn.len();
     let mut sheet = vec![0u8; columns * width * 2 * height * 4];
@@ -237,13 +237,13 @@ fn sheet(path: &std::path::Path, drawn: &[Drawn], image: &ImageSettings, gain: f
     Ok(write_png(path, size[0], size[1], PngPixels::U8(&sheet), Transfer::Srgb)?)
 }
 
-fn table(drawn: &[Drawn]) -> String {
+fn table(drawn: &[Compared]) -> String {
     let widest = drawn.iter().map(|drawn| drawn.label.len()).fold(9, usize::max);
     let mut text = format!(
         "{:<widest$}  {:>9}  {:>10}  {:>8}  {:>7}  {:>7}  renderer\n",
         "technique", "median ms", "samples", "PSNR dB", "largest", "mean"
     );
-    for Drawn { label, renderer, median_ms, samples, error, .. } in drawn {
+    for Compared { label, renderer, median_ms, samples, error, .. } in drawn {
         let Difference { psnr, largest, mean } = error;
         text += &format!(
             "{label:<widest$}  {median_ms:>9.2}  {samples:>10.0}  {psnr:>8.1}  {largest:>7}  {mean:>7.3}  {renderer}\n"
@@ -252,8 +252,8 @@ fn table(drawn: &[Drawn]) -> String {
     text
 }
 
-fn json(drawn: &[Drawn]) -> Value {
-    let one = |drawn: &Drawn| {
+fn json(drawn: &[Compared]) -> Value {
+    let one = |drawn: &Compared| {
         json!({
             "technique": drawn.label,
             "renderer": drawn.renderer,

@@ -41,7 +41,7 @@ pub struct Picture {
 /// # Errors
 /// As [`read_picture`].
 pub fn read_png(path: impl AsRef<Path>) -> Result<Picture, IoError> {
-    File::open(path.as_ref(), &Limits::default())?.decode(Format::Png)
+    File::open(path.as_ref(), &Limits::default())?.decode(PictureFormat::Png)
 }
 
 /// Reads the first layer of an EXR that has channels `R`, `G` and `B`, and perhaps `A`, as 32-bit floats of
@@ -50,7 +50,7 @@ pub fn read_png(path: impl AsRef<Path>) -> Result<Picture, IoError> {
 /// # Errors
 /// As [`read_picture`].
 pub fn read_exr(path: impl AsRef<Path>) -> Result<Picture, IoError> {
-    File::open(path.as_ref(), &Limits::default())?.decode(Format::Exr)
+    File::open(path.as_ref(), &Limits::default())?.decode(PictureFormat::Exr)
 }
 
 /// Reads an EXR, if the extension says so, or else a PNG.
@@ -60,7 +60,7 @@ pub fn read_exr(path: impl AsRef<Path>) -> Result<Picture, IoError> {
 /// its size cannot hold its pixels, and [`IoError::Limit`] and [`IoError::Memory`] if they are too many.
 pub fn read_picture(path: impl AsRef<Path>, limits: &Limits) -> Result<Picture, IoError> {
     let path = path.as_ref();
-    File::open(path, limits)?.decode(Format::of(path))
+    File::open(path, limits)?.decode(PictureFormat::of(path))
 }
 
 /// Reads a picture from bytes in memory as if they were the content of the file `name`.
@@ -69,16 +69,16 @@ pub fn read_picture(path: impl AsRef<Path>, limits: &Limits) -> Result<Picture, 
 /// As [`read_picture`].
 pub fn read_picture_bytes(name: impl AsRef<Path>, bytes: &[u8], limits: &Limits) -> Result<Picture, IoError> {
     let path = name.as_ref();
-    File { path, limits, stored: bytes.len() as u64, reader: Cursor::new(bytes) }.decode(Format::of(path))
+    File { path, limits, stored: bytes.len() as u64, reader: Cursor::new(bytes) }.decode(PictureFormat::of(path))
 }
 
 #[derive(Clone, Copy)]
-enum Format {
+enum PictureFormat {
     Png,
     Exr,
 }
 
-impl Format {
+impl PictureFormat {
     fn of(path: &Path) -> Self {
         let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
         if is_exr { Self::Exr } else { Self::Png }
@@ -103,12 +103,12 @@ impl<'a> File<'a, BufReader<std::fs::File>> {
 }
 
 impl<R: BufRead + Seek> File<'_, R> {
-    fn decode(self, format: Format) -> Result<Picture, IoError> {
-        let (path, encoding) = (self.path.to_owned(), if matches!(format, Format::Exr) { "EXR" } else { "PNG" });
+    fn decode(self, format: PictureFormat) -> Result<Picture, IoError> {
+        let (path, encoding) = (self.path.to_owned(), if matches!(format, PictureFormat::Exr) { "EXR" } else { "PNG" });
         let damaged = |reason| IoError::Damaged { path, encoding, reason };
         guarded(damaged, || match format {
-            Format::Png => self.png(),
-            Format::Exr => self.exr(),
+            PictureFormat::Png => self.png(),
+            PictureFormat::Exr => self.exr(),
         })
     }
 }

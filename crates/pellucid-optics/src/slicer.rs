@@ -10,7 +10,7 @@ use std::fmt;
 
 use crate::error::checked;
 use crate::{ColorSpace, Material, OpacityPoint, OpticsError, TransferFunction};
-use file::{Component, Document, Lighting, Points};
+use file::{Component, LightingCoefficients, PiecewiseFunction, SlicerDocument};
 
 /// The look of one component of a volume, as far as both programs know it.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,7 +81,7 @@ impl VolumeProperty {
     /// and [`OpticsError::NoPoints`] for curves that cannot be used.
     pub fn from_slicer(text: &str) -> Result<(Vec<Self>, Vec<SlicerWarning>), OpticsError> {
         let problem = |problem: String| OpticsError::VolumeProperty { problem };
-        let document: Document = serde_json::from_str(text).map_err(|error| problem(error.to_string()))?;
+        let document: SlicerDocument = serde_json::from_str(text).map_err(|error| problem(error.to_string()))?;
         if !document.schema.contains("volume-property-schema-v1.") {
             return Err(problem(format!("schema {:?}: expected volume-property-schema-v1.0.0.json", document.schema)));
         }
@@ -138,7 +138,7 @@ impl VolumeProperty {
         checked("mean voxel spacing", mean_spacing, f64::MIN_POSITIVE..=f64::MAX, "a positive length")?;
         let mut warnings = Vec::new();
         let components = properties.iter().map(|property| property.to_component(mean_spacing, &mut warnings)).collect();
-        let text = serde_json::to_string_pretty(&Document::new(components));
+        let text = serde_json::to_string_pretty(&SlicerDocument::new(components));
         Ok((text.map_err(|error| OpticsError::VolumeProperty { problem: error.to_string() })?, warnings))
     }
 
@@ -159,7 +159,7 @@ impl VolumeProperty {
         }
         Component {
             shade: self.shading,
-            lighting: Lighting {
+            lighting: LightingCoefficients {
                 ambient: material.ambient,
                 diffuse: material.diffuse,
                 specular: material.specular,
@@ -167,11 +167,13 @@ impl VolumeProperty {
             },
             disable_gradient_opacity: self.gradient_opacity.is_empty(),
             scalar_opacity_unit_distance: tf.unit_distance().unwrap_or(mean_spacing),
-            scalar_opacity: Some(Points { points: curve::write_opacities("scalarOpacity", tf.opacities(), warnings) }),
-            gradient_opacity: (!self.gradient_opacity.is_empty()).then(|| Points {
+            scalar_opacity: Some(PiecewiseFunction {
+                points: curve::write_opacities("scalarOpacity", tf.opacities(), warnings),
+            }),
+            gradient_opacity: (!self.gradient_opacity.is_empty()).then(|| PiecewiseFunction {
                 points: curve::write_opacities("gradientOpacity", &self.gradient_opacity, warnings),
             }),
-            rgb_transfer_function: Some(Points { points: curve::write_colors(tf, warnings) }),
+            rgb_transfer_function: Some(PiecewiseFunction { points: curve::write_colors(tf, warnings) }),
             ..Component::default()
         }
     }

@@ -15,7 +15,7 @@ use crate::population::{Backdrop, Population};
 use crate::{Camera, Mode, Projection, Technique, View, Viewpoint, VolumeEntry};
 
 /// Optics of a volume.
-pub struct Look {
+pub struct Optics {
     pub transfer_function: TransferFunction,
     pub material: Option<Material>,
     pub gradient_weight: Option<GradientWeight>,
@@ -31,13 +31,13 @@ pub struct Chosen {
 }
 
 /// The optics an entry asks for, completed by what suits the data of a component; every choice is noted.
-pub fn look(
+pub fn optics(
     entry: &VolumeEntry,
     volume: &Volume,
     component: usize,
     mode: &Mode,
     choices: &mut Vec<Choice>,
-) -> Result<(Look, Chosen), OpticsError> {
+) -> Result<(Optics, Chosen), OpticsError> {
     // Only what is asked of the data is looked for in it.
     let (population, backdrop) = (OnceCell::new(), OnceCell::new());
     let population = || population.get_or_init(|| Population::of(volume, component));
@@ -98,13 +98,13 @@ pub fn look(
     if matches!(mode, Mode::Minimum) && entry.crop.is_none() {
         choices.extend(background_of_minima(population(), backdrop()));
     }
-    let look = Look {
+    let optics = Optics {
         transfer_function: with_unit_distance(tf, &entry, volume, mode, choices)?,
         material: lit.then_some(material),
         gradient_weight: entry.gradient_weight.or(weight.map(stretched)),
     };
     let VolumeEntry { preset, colormap, opacity, window, .. } = entry;
-    Ok((look, Chosen { preset, colormap, opacity, window }))
+    Ok((optics, Chosen { preset, colormap, opacity, window }))
 }
 
 /// Rays through the background have it as their smallest value, whatever lies behind.
@@ -124,8 +124,8 @@ pub fn heeds_window(entry: &VolumeEntry, volume: &Volume, mode: &Mode) -> bool {
     let with = |window| {
         let entry = VolumeEntry { window: Some(window), ..entry.clone() };
         let component = entry.component.unwrap_or_default();
-        let look = look(&entry, volume, component, mode, &mut Vec::new());
-        look.ok().map(|(look, _)| (look.transfer_function, look.gradient_weight))
+        let optics = optics(&entry, volume, component, mode, &mut Vec::new());
+        optics.ok().map(|(optics, _)| (optics.transfer_function, optics.gradient_weight))
     };
     with([0.0, 1.0]) != with([0.0, 2.0])
 }

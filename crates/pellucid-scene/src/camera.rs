@@ -201,10 +201,10 @@ impl Camera {
                 Some(_) => (reach / slope).max(nearest + 1e-3 * (nearest - farthest)),
                 None => nearest + reach,
             };
-            Framed { target, distance: (eye - depth).max(0.0), reach: reach * MARGIN }
+            Fit { target, distance: (eye - depth).max(0.0), reach: reach * MARGIN }
         };
         // What is given in full asks nothing of the data.
-        let framed = if self.frames() { framed() } else { Framed { target: DVec3::ZERO, distance: 0.0, reach: 0.0 } };
+        let framed = if self.frames() { framed() } else { Fit { target: DVec3::ZERO, distance: 0.0, reach: 0.0 } };
         let half_height = match (tangent, self.projection) {
             (Some(tangent), _) => tangent,
             (None, Projection::Orthographic { height: Some(height) }) => height / 2.0,
@@ -227,7 +227,7 @@ impl Camera {
 }
 
 /// What frames a set of points.
-struct Framed {
+struct Fit {
     target: DVec3,
     /// Of the eye from the target.
     distance: f64,

@@ -84,8 +84,8 @@ impl Frame {
         values.into_flattened()
     }
 
-    fn backdrop(&self, image: &ImageSettings, row: usize) -> Backdrop {
-        Backdrop {
+    fn backdrop(&self, image: &ImageSettings, row: usize) -> RowBackdrop {
+        RowBackdrop {
             color: image.background.at(row, self.height),
             exposure: image.exposure,
             straight: image.background == Background::Transparent,
@@ -95,7 +95,7 @@ impl Frame {
 }
 
 /// What lies behind one row of pixels.
-struct Backdrop {
+struct RowBackdrop {
     color: [f32; 4],
     exposure: f32,
     /// Whether colours are divided by their alpha: only a transparent background leaves it below 1,
@@ -105,7 +105,7 @@ struct Backdrop {
     varies: bool,
 }
 
-impl Backdrop {
+impl RowBackdrop {
     /// What lies behind a pixel.
     fn of(&self, frame: &Frame, pixel: usize) -> Self {
         let [r, g, b] = frame.backdrop.get(pixel).copied().unwrap_or_default();

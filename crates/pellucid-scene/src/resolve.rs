@@ -141,7 +141,7 @@ impl Scene {
             return Err(ResolveError::Optics { path: format!("volumes[{k}].scattering.phase"), error });
         }
         let path = format!("volumes[{k}]");
-        let (look, chosen) = auto::look(entry, &volume, component, self.technique.mode(), choices)
+        let (optics, chosen) = auto::optics(entry, &volume, component, self.technique.mode(), choices)
             .map_err(|error| ResolveError::Optics { path, error })?;
         let (origin, mut volume) = (origin_of(&volume), volume);
         if let Some(origin) = origin {
@@ -157,9 +157,9 @@ impl Scene {
         let origin = origin.unwrap_or_default();
         let staged = StageVolume {
             component,
-            transfer_function: look.transfer_function.counted_from(origin),
-            material: look.material,
-            gradient_weight: look.gradient_weight,
+            transfer_function: optics.transfer_function.counted_from(origin),
+            material: optics.material,
+            gradient_weight: optics.gradient_weight,
             scattering: entry.scattering.clone().counted_from(origin),
             perturbation: entry.perturbation.clone().counted_from(origin),
             region,

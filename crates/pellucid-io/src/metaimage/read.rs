@@ -23,7 +23,7 @@ pub(crate) fn is_metaimage(bytes: &[u8]) -> bool {
 }
 
 /// A parsed header.
-struct Header<'a> {
+struct MetaImageHeader<'a> {
     source: &'a Source,
     tags: HashMap<String, String>,
     /// The lines after `ElementDataFile = LIST`.
@@ -32,7 +32,7 @@ struct Header<'a> {
     end: u64,
 }
 
-impl<'a> Header<'a> {
+impl<'a> MetaImageHeader<'a> {
     fn parse(source: &'a Source, head: &[u8]) -> Result<Self, IoError> {
         let mut lines = Lines::new(source, head);
         let mut header = Self { source, tags: HashMap::new(), list: Vec::new(), end: 0 };
@@ -86,7 +86,7 @@ impl<'a> Header<'a> {
 /// How to read a MetaImage file.
 pub(crate) fn describe(source: &Source, head: &[u8], options: &ReadOptions) -> Result<Description, IoError> {
     let path = &source.path;
-    let mut header = Header::parse(source, head)?;
+    let mut header = MetaImageHeader::parse(source, head)?;
     let mut warnings = Vec::new();
     if let Some(field) = header.get("ObjectType").filter(|field| !field.text.eq_ignore_ascii_case("image")) {
         return Err(field.error("Image"));
@@ -162,7 +162,7 @@ pub(crate) fn describe(source: &Source, head: &[u8], options: &ReadOptions) -> R
 
 /// Where the voxels are, in which frame, and millimetres per unit.
 fn geometry(
-    header: &Header,
+    header: &MetaImageHeader,
     dimension: usize,
     warnings: &mut Vec<Warning>,
 ) -> Result<(glam::DAffine3, Frame, f64), IoError> {
@@ -210,7 +210,7 @@ fn geometry(
     }
 }
 
-fn parts(header: &mut Header) -> Result<Parts, IoError> {
+fn parts(header: &mut MetaImageHeader) -> Result<Parts, IoError> {
     let field = header.require("ElementDataFile", "LOCAL, LIST or the name of a file, as the last tag")?;
     if field.text.eq_ignore_ascii_case("local") {
         return Ok(Parts::Attached(header.source.clone(), header.end));

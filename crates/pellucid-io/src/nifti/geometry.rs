@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use pellucid_field::Warning;
 
-use super::header::Header;
+use super::header::NiftiHeader;
 use crate::world::{Frame, to_world};
 
 /// Millimetres per unit of the spatial part of `xyzt_units`; `None` if it is not stated.
@@ -18,7 +18,7 @@ fn millimetres_per_unit(xyzt_units: i32) -> Option<f64> {
 
 /// Where the voxels are, whether that is in millimetres, and whether sides are known. The s-form counts before the q-form;
 /// without either, the standard's method 1 knows the size of voxels, but neither side nor place.
-pub(super) fn world_from_index(header: &Header, warnings: &mut Vec<Warning>) -> (DAffine3, bool, bool) {
+pub(super) fn world_from_index(header: &NiftiHeader, warnings: &mut Vec<Warning>) -> (DAffine3, bool, bool) {
     let (affine, frame) = if header.sform_code > 0 {
         let row = |k: usize| header.srow[k];
         let column = |k: usize| DVec3::new(row(0)[k], row(1)[k], row(2)[k]);
@@ -43,7 +43,7 @@ pub(super) fn world_from_index(header: &Header, warnings: &mut Vec<Warning>) -> 
     (to_world(affine, frame, scale.unwrap_or(1.0)), scale.is_some(), frame.is_anatomical())
 }
 
-fn voxel_size(header: &Header, axis: usize, warnings: &mut Vec<Warning>) -> f64 {
+fn voxel_size(header: &NiftiHeader, axis: usize, warnings: &mut Vec<Warning>) -> f64 {
     let found = header.pixdim[axis + 1];
     let is_used = (axis as i64) < header.dim[0];
     if found > 0.0 && found.is_finite() {

@@ -15,7 +15,7 @@ pub(super) const SIZE_1: usize = 348;
 const SIZE_2: usize = 540;
 
 /// What both versions say, in the wider types of the second.
-pub(super) struct Header {
+pub(super) struct NiftiHeader {
     pub endian: Endian,
     /// Whether the data follow in the same file.
     pub is_single: bool,
@@ -63,7 +63,7 @@ pub(super) fn is_gzip(head: &[u8]) -> bool {
     head.starts_with(&GZIP)
 }
 
-impl Header {
+impl NiftiHeader {
     pub fn parse(source: &Source, head: &[u8]) -> Result<Self, IoError> {
         let path = &source.path;
         let bytes = first_bytes(head);
@@ -168,8 +168,8 @@ impl Fields<'_> {
         std::array::from_fn(|k| self.f64(at + 8 * k))
     }
 
-    fn version_1(&self, is_single: bool) -> Header {
-        Header {
+    fn version_1(&self, is_single: bool) -> NiftiHeader {
+        NiftiHeader {
             endian: self.endian,
             is_single,
             earliest: SIZE_1 as u64 + 4,
@@ -189,8 +189,8 @@ impl Fields<'_> {
         }
     }
 
-    fn version_2(&self, is_single: bool) -> Header {
-        Header {
+    fn version_2(&self, is_single: bool) -> NiftiHeader {
+        NiftiHeader {
             endian: self.endian,
             is_single,
             earliest: SIZE_2 as u64 + 4,

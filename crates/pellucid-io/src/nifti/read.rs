@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use pellucid_field::{ValueMap, Warning};
 
 use super::geometry::world_from_index;
-use super::header::{Header, is_gzip};
+use super::header::{NiftiHeader, is_gzip};
 use crate::description::{Description, choose_time};
 use crate::encoding::Encoding;
 use crate::file_names::FileNames;
@@ -17,7 +17,7 @@ use crate::{IoError, ReadOptions};
 /// How to read a NIfTI file.
 pub(crate) fn describe(source: &Source, head: &[u8], options: &ReadOptions) -> Result<Description, IoError> {
     let path = &source.path;
-    let header = Header::parse(source, head)?;
+    let header = NiftiHeader::parse(source, head)?;
     let mut warnings = Vec::new();
     let (stored, packed) = header.stored(source)?;
     if i64::from(header.bitpix) != (stored.size() * packed * 8) as i64 {
@@ -77,7 +77,7 @@ pub(crate) fn header_of_image(path: &Path) -> PathBuf {
     if is_gzip_name(path) && packed.exists() && !header.exists() { packed } else { header }
 }
 
-fn parts(source: &Source, head: &[u8], header: &Header) -> (Parts, Encoding) {
+fn parts(source: &Source, head: &[u8], header: &NiftiHeader) -> (Parts, Encoding) {
     if header.is_single {
         let encoding = if is_gzip(head) { Encoding::Gzip } else { Encoding::Raw };
         return (Parts::Attached(source.clone(), 0), encoding);
@@ -92,7 +92,7 @@ fn parts(source: &Source, head: &[u8], header: &Header) -> (Parts, Encoding) {
 }
 
 /// Where the values begin.
-fn offset(source: &Source, header: &Header, warnings: &mut Vec<Warning>) -> Result<u64, IoError> {
+fn offset(source: &Source, header: &NiftiHeader, warnings: &mut Vec<Warning>) -> Result<u64, IoError> {
     let found = header.vox_offset;
     if !(0.0..9e15).contains(&found) || found.fract() != 0.0 {
         return Err(IoError::malformed(&source.path, "vox_offset", found, "a number of bytes, 0 or more"));
@@ -106,7 +106,7 @@ fn offset(source: &Source, header: &Header, warnings: &mut Vec<Warning>) -> Resu
 }
 
 /// Slope and intercept. A slope of 0 says that there are none; colours have none.
-fn value_map(header: &Header, packed: usize, warnings: &mut Vec<Warning>) -> ValueMap {
+fn value_map(header: &NiftiHeader, packed: usize, warnings: &mut Vec<Warning>) -> ValueMap {
     let (scale, offset) = (header.scl_slope, header.scl_inter);
     if packed > 1 || scale == 0.0 || !scale.is_finite() {
         return ValueMap::IDENTITY;

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 use pellucid_field::Warning;
 
-use super::fields::Header;
+use super::fields::NrrdHeader;
 use crate::IoError;
 use crate::header::Field;
 use crate::world::{Frame, affine_from_steps, millimetres, to_world};
@@ -32,7 +32,7 @@ enum Role {
 }
 
 impl Shape {
-    pub fn parse(header: &Header, warnings: &mut Vec<Warning>) -> Result<Self, IoError> {
+    pub fn parse(header: &NrrdHeader, warnings: &mut Vec<Warning>) -> Result<Self, IoError> {
         let dimension: usize = header.require("dimension", "the number of axes")?.number("a number of axes")?;
         if !(1..=16).contains(&dimension) {
             return Err(IoError::malformed(&header.source.path, "dimension", dimension, "1 to 16"));
@@ -91,7 +91,7 @@ fn order(roles: &[Role]) -> String {
 }
 
 fn roles(
-    header: &Header,
+    header: &NrrdHeader,
     sizes: &[usize],
     space: &Space,
     why: &str,
@@ -141,7 +141,7 @@ struct Space {
 }
 
 impl Space {
-    fn parse(header: &Header, dimension: usize) -> Result<Self, IoError> {
+    fn parse(header: &NrrdHeader, dimension: usize) -> Result<Self, IoError> {
         let (mut frame, mut space_dimension) = (Frame::Unstated, 0);
         if let Some(field) = header.get("space") {
             let name = field.text.to_lowercase().replace(['-', ' ', '_'], "");
@@ -183,7 +183,7 @@ impl Space {
     }
 
     /// Where the samples of the axes of space are, in the file's own frame.
-    fn affine(&self, header: &Header, axes: &[usize], sizes: &[usize], why: &str) -> Result<DAffine3, IoError> {
+    fn affine(&self, header: &NrrdHeader, axes: &[usize], sizes: &[usize], why: &str) -> Result<DAffine3, IoError> {
         let mut origin = DVec3::ZERO;
         let steps: Vec<DVec3> = match &self.directions {
             Some(directions) => axes.iter().filter_map(|&axis| directions[axis]).collect(),
@@ -211,7 +211,7 @@ impl Space {
 }
 
 /// Spacing and first position along an axis that has no direction.
-fn placed_by_axis(header: &Header, axis: usize, sizes: &[usize], why: &str) -> Result<(f64, f64), IoError> {
+fn placed_by_axis(header: &NrrdHeader, axis: usize, sizes: &[usize], why: &str) -> Result<(f64, f64), IoError> {
     let number = |name| -> Result<Option<f64>, IoError> {
         let Some(field) = header.get(name) else { return Ok(None) };
         // NaN is how the format says "not known" for one axis.
@@ -231,7 +231,7 @@ fn placed_by_axis(header: &Header, axis: usize, sizes: &[usize], why: &str) -> R
 
 /// The unit of world lengths, and the factor that brings the file's to it.
 fn length_unit(
-    header: &Header,
+    header: &NrrdHeader,
     axes: &[usize],
     why: &str,
     frame: Frame,

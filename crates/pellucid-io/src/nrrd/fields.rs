@@ -45,7 +45,7 @@ const FIELDS: [&str; 30] = [
 ];
 
 /// A parsed header.
-pub(super) struct Header<'a> {
+pub(super) struct NrrdHeader<'a> {
     pub source: &'a Source,
     fields: HashMap<&'static str, String>,
     keys: HashMap<String, String>,
@@ -55,7 +55,7 @@ pub(super) struct Header<'a> {
     data: Option<u64>,
 }
 
-impl<'a> Header<'a> {
+impl<'a> NrrdHeader<'a> {
     pub fn parse(source: &'a Source, head: &[u8], warnings: &mut Vec<Warning>) -> Result<Self, IoError> {
         let path = &source.path;
         let mut lines = Lines::new(source, head);

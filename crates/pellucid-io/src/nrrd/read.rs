@@ -3,7 +3,7 @@
 use pellucid_field::{ValueMap, VoxelType, Warning};
 
 use super::axes::Shape;
-use super::fields::Header;
+use super::fields::NrrdHeader;
 use crate::description::{Description, choose_time};
 use crate::encoding::Encoding;
 use crate::header::Field;
@@ -14,7 +14,7 @@ use crate::{Endian, IoError, ReadOptions, StoredType};
 /// How to read a NRRD file.
 pub(crate) fn describe(source: &Source, head: &[u8], options: &ReadOptions) -> Result<Description, IoError> {
     let mut warnings = Vec::new();
-    let mut header = Header::parse(source, head, &mut warnings)?;
+    let mut header = NrrdHeader::parse(source, head, &mut warnings)?;
     let stored = stored_type(header.require("type", "a type of values")?)?;
     let encoding = encoding(header.require("encoding", "an encoding")?)?;
     let endian = match header.get("endian") {
@@ -103,7 +103,7 @@ fn endian(field: Field) -> Result<Endian, IoError> {
     }
 }
 
-fn skip(header: &Header, encoding: Encoding) -> Result<Skip, IoError> {
+fn skip(header: &NrrdHeader, encoding: Encoding) -> Result<Skip, IoError> {
     let lines = header.get("line skip").map_or(Ok(0), |field| field.number("a number of lines, 0 or more"))?;
     let Some(field) = header.get("byte skip") else { return Ok(Skip::Forward { lines, bytes: 0 }) };
     match field.number::<i64>("a number of bytes, or -1")? {
@@ -114,7 +114,7 @@ fn skip(header: &Header, encoding: Encoding) -> Result<Skip, IoError> {
 }
 
 /// The format has no such field; these are the keys that this crate writes.
-fn value_map(header: &Header) -> Result<ValueMap, IoError> {
+fn value_map(header: &NrrdHeader) -> Result<ValueMap, IoError> {
     let number = |key, otherwise| header.key(key).map_or(Ok(otherwise), |field| field.number("a number"));
     Ok(ValueMap { scale: number("value scale", 1.0)?, offset: number("value offset", 0.0)? })
 }

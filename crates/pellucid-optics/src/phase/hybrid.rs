@@ -8,27 +8,27 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::henyey_greenstein;
-use super::table::{Document, Lobe, PhaseEntries, TableAngles};
+use super::table::{Lobe, PhaseEntries, TableAngles, TableDocument};
 use crate::OpticsError;
 
 /// Values from 90 to 180 degrees for each colour, which are added, over the largest of them, to
 /// Henyey and Greenstein's lobe over its own peak.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(try_from = "Document", into = "Document")]
+#[serde(try_from = "TableDocument", into = "TableDocument")]
 pub struct BackLobe {
-    document: Document,
+    document: TableDocument,
     lobe: Lobe,
 }
 
-impl TryFrom<Document> for BackLobe {
+impl TryFrom<TableDocument> for BackLobe {
     type Error = OpticsError;
 
-    fn try_from(document: Document) -> Result<Self, OpticsError> {
+    fn try_from(document: TableDocument) -> Result<Self, OpticsError> {
         Ok(Self { lobe: document.lobe(BACK)?, document })
     }
 }
 
-impl From<BackLobe> for Document {
+impl From<BackLobe> for TableDocument {
     fn from(back: BackLobe) -> Self {
         back.document
     }
@@ -43,7 +43,7 @@ impl BackLobe {
     /// # Errors
     /// As [`PhaseTable::new`](super::PhaseTable::new).
     pub fn new(uniform_in: TableAngles, values: Vec<[f32; 3]>) -> Result<Self, OpticsError> {
-        Self::try_from(Document { uniform_in, values, file: None })
+        Self::try_from(TableDocument { uniform_in, values, file: None })
     }
 
     /// A lobe whose entries are in a file, even until they are [`fill`](Self::fill)ed in.
@@ -51,7 +51,7 @@ impl BackLobe {
     /// # Errors
     /// None: the file is not read here.
     pub fn of_file(uniform_in: TableAngles, file: impl Into<PathBuf>) -> Result<Self, OpticsError> {
-        Self::try_from(Document { uniform_in, values: Vec::new(), file: Some(file.into()) })
+        Self::try_from(TableDocument { uniform_in, values: Vec::new(), file: Some(file.into()) })
     }
 
     /// The file that holds the entries, if one does.

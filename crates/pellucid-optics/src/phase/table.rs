@@ -13,9 +13,9 @@ use crate::error::checked;
 /// conserve light. Between entries they are linear in the cosine, whatever the entries' spacing: so the
 /// integral is exact, and so are the directions that are sampled.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(try_from = "Document", into = "Document")]
+#[serde(try_from = "TableDocument", into = "TableDocument")]
 pub struct PhaseTable {
-    document: Document,
+    document: TableDocument,
     lobe: Lobe,
 }
 
@@ -34,7 +34,7 @@ pub enum TableAngles {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "PhaseTable")]
-pub(super) struct Document {
+pub(super) struct TableDocument {
     /// Where the entries are: from 0 to 180 degrees or from cosine -1 to 1; of what is added to a lobe, from 90 to
     /// 180 degrees or from cosine -1 to 0. Default theta.
     #[serde(default)]
@@ -50,7 +50,7 @@ pub(super) struct Document {
     pub file: Option<PathBuf>,
 }
 
-impl Document {
+impl TableDocument {
     /// The lobe between two cosines; isotropic until a file is read.
     pub fn lobe(&self, ends: [f64; 2]) -> Result<Lobe, OpticsError> {
         match (&self.file, self.values.as_slice()) {
@@ -64,15 +64,15 @@ impl Document {
     }
 }
 
-impl TryFrom<Document> for PhaseTable {
+impl TryFrom<TableDocument> for PhaseTable {
     type Error = OpticsError;
 
-    fn try_from(document: Document) -> Result<Self, OpticsError> {
+    fn try_from(document: TableDocument) -> Result<Self, OpticsError> {
         Ok(Self { lobe: document.lobe(WHOLE)?, document })
     }
 }
 
-impl From<PhaseTable> for Document {
+impl From<PhaseTable> for TableDocument {
     fn from(table: PhaseTable) -> Self {
         table.document
     }
@@ -88,7 +88,7 @@ impl PhaseTable {
     /// [`OpticsError::Parameter`] unless there are 2 to 65,536 entries, none negative, and every colour
     /// has some light.
     pub fn new(uniform_in: TableAngles, values: Vec<[f32; 3]>) -> Result<Self, OpticsError> {
-        Self::try_from(Document { uniform_in, values, file: None })
+        Self::try_from(TableDocument { uniform_in, values, file: None })
     }
 
     /// A table whose entries are in a file, isotropic until they are [`fill`](Self::fill)ed in.
@@ -96,7 +96,7 @@ impl PhaseTable {
     /// # Errors
     /// None: the file is not read here.
     pub fn of_file(uniform_in: TableAngles, file: impl Into<PathBuf>) -> Result<Self, OpticsError> {
-        Self::try_from(Document { uniform_in, values: Vec::new(), file: Some(file.into()) })
+        Self::try_from(TableDocument { uniform_in, values: Vec::new(), file: Some(file.into()) })
     }
 
     /// The file that holds the entries, if one does.
@@ -154,7 +154,7 @@ pub enum PhaseEntries {
     At(Vec<(f64, [f32; 3])>),
 }
 
-impl Document {
+impl TableDocument {
     /// The lobe between two cosines that a file describes.
     pub fn filled(&self, entries: &PhaseEntries, ends: [f64; 2]) -> Result<Lobe, OpticsError> {
         let lobe = match entries {

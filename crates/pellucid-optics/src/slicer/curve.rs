@@ -2,7 +2,7 @@
 //! and back.
 
 use super::SlicerWarning;
-use super::file::{ColorKnot, Knot, Points};
+use super::file::{ColorKnot, Knot, PiecewiseFunction};
 use crate::control_point::Interpolation;
 use crate::polyline::polyline;
 use crate::{Color, ColorPoint, OpacityPoint, OpticsError, TransferFunction};
@@ -11,7 +11,7 @@ const OPACITIES: fn(f32, f32, f32) -> f32 = |a, b, t| a + (b - a) * t;
 
 pub(super) fn read_opacities(
     list: &'static str,
-    points: &Option<Points<Knot<f32>>>,
+    points: &Option<PiecewiseFunction<Knot<f32>>>,
     warnings: &mut Vec<SlicerWarning>,
 ) -> Vec<OpacityPoint> {
     let knots = points.as_ref().map_or(&[][..], |points| &points.points);
@@ -35,7 +35,7 @@ pub(super) fn read_colors(
 }
 
 pub(super) fn read_greys(
-    points: &Option<Points<Knot<f32>>>,
+    points: &Option<PiecewiseFunction<Knot<f32>>>,
     warnings: &mut Vec<SlicerWarning>,
 ) -> Result<Vec<ColorPoint>, OpticsError> {
     let knots = points.as_ref().map_or(&[][..], |points| &points.points);

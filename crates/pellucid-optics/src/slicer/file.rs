@@ -9,13 +9,13 @@ const SCHEMA: &str = "https://raw.githubusercontent.com/Slicer/Slicer/main/Modul
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct Document {
+pub(super) struct SlicerDocument {
     #[serde(rename = "@schema")]
     pub schema: String,
     pub volume_properties: Vec<Property>,
 }
 
-impl Document {
+impl SlicerDocument {
     pub fn new(components: Vec<Component>) -> Self {
         let rest = [("independentComponents", json!(true)), ("interpolationType", json!("linear"))];
         let rest = rest.into_iter().map(|(field, value)| (field.to_owned(), value)).collect();
@@ -35,17 +35,17 @@ pub(super) struct Property {
 #[serde(rename_all = "camelCase", default)]
 pub(super) struct Component {
     pub shade: bool,
-    pub lighting: Lighting,
+    pub lighting: LightingCoefficients,
     pub disable_gradient_opacity: bool,
     pub scalar_opacity_unit_distance: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub gray_transfer_function: Option<Points<Knot<f32>>>,
+    pub gray_transfer_function: Option<PiecewiseFunction<Knot<f32>>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub scalar_opacity: Option<Points<Knot<f32>>>,
+    pub scalar_opacity: Option<PiecewiseFunction<Knot<f32>>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub gradient_opacity: Option<Points<Knot<f32>>>,
+    pub gradient_opacity: Option<PiecewiseFunction<Knot<f32>>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub rgb_transfer_function: Option<Points<ColorKnot>>,
+    pub rgb_transfer_function: Option<PiecewiseFunction<ColorKnot>>,
     #[serde(flatten)]
     pub rest: Map<String, Value>,
 }
@@ -54,7 +54,7 @@ impl Default for Component {
     fn default() -> Self {
         Self {
             shade: false,
-            lighting: Lighting::default(),
+            lighting: LightingCoefficients::default(),
             disable_gradient_opacity: false,
             scalar_opacity_unit_distance: 1.0,
             gray_transfer_function: None,
@@ -68,21 +68,21 @@ impl Default for Component {
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
-pub(super) struct Lighting {
+pub(super) struct LightingCoefficients {
     pub ambient: f32,
     pub diffuse: f32,
     pub specular: f32,
     pub specular_power: f32,
 }
 
-impl Default for Lighting {
+impl Default for LightingCoefficients {
     fn default() -> Self {
         Self { ambient: 0.1, diffuse: 0.7, specular: 0.2, specular_power: 10.0 }
     }
 }
 
 #[derive(Serialize, Deserialize)]
-pub(super) struct Points<T> {
+pub(super) struct PiecewiseFunction<T> {
     pub points: Vec<T>,
 }
 
