@@ -1,5 +1,5 @@
-//! What the house promises of itself: no two files of a crate import each other, directly or around, and a
-//! crate uses only what ARCHITECTURE.md's table of rooms gives it.
+//! What the house promises of itself: no two files of a crate import each other, directly or around, no type name
+//! stands twice in a crate, and a crate uses only what ARCHITECTURE.md's table of rooms gives it.
 
 mod imports;
 
@@ -27,6 +27,12 @@ const STANDING_CIRCLES: &[(&str, &[&str])] = &[
     ),
     ("pellucid-gpu", &["bindings", "half_angle", "light_volume", "path_trace", "ray_cast", "renderer", "slicing"]),
     ("pellucid-gpu", &["plan", "resident"]),
+];
+
+/// Type names that still stand twice, by crate; kept as the circles are.
+const STANDING_NAMES: &[(&str, &[&str])] = &[
+    ("pellucid-cpu", &["Aim", "Any", "Found", "Medium", "Met", "Place", "Plane", "Search", "Trilinear", "Values"]),
+    ("pellucid-gpu", &["Four", "Pass", "Source"]),
 ];
 
 fn root() -> PathBuf {
@@ -67,6 +73,20 @@ fn no_two_files_of_a_crate_import_each_other() {
     let standing = STANDING_CIRCLES.iter().map(|(name, files)| (name.to_string(), files.join(", ")));
     let advice = "files import each other, directly or around: what they share belongs in a file that both import";
     hold(&circles.map(told).collect(), standing, advice);
+}
+
+#[test]
+fn no_type_name_stands_twice_in_a_crate() {
+    let mut found = BTreeMap::new();
+    for (own, source) in crates() {
+        let types = source.types();
+        assert!(!types.is_empty(), "no type was found in {own}");
+        let twice = types.into_iter().filter(|(_, files)| files.len() > 1);
+        found.extend(twice.map(|(name, files)| ((own.clone(), name), format!("    in {}\n", list(&files)))));
+    }
+    let standing =
+        STANDING_NAMES.iter().flat_map(|(own, names)| names.iter().map(|name| (own.to_string(), name.to_string())));
+    hold(&found, standing, "types of a crate share a name: call all but one of them by a more precise word");
 }
 
 /// The table of rooms: each crate, in order, and those it may use.
@@ -123,7 +143,7 @@ fn a_crate_uses_only_what_the_table_of_rooms_gives_it() {
 }
 
 #[test]
-fn a_circle_that_is_made_up_is_found() {
+fn circles_and_names_that_are_made_up_are_found() {
     let own = Crate::of([
         ("lib.rs", "mod a; mod b; mod c; mod far; pub use c::Third; use a::{One, Two};"),
         // Nested braces, a renamed module by which a function is called, and a re-export of the parent's.
@@ -134,8 +154,8 @@ fn a_circle_that_is_made_up_is_found() {
         ("b.rs", "/* use crate::a; */ fn g() -> &'static str { crate::Third::new(); \"use crate::far;\" }"),
         ("c.rs", "use super::far; #[cfg(test)] mod tests { use crate::b; } struct Third<'a>(&'a str);"),
         ("far/mod.rs", "mod deep; mod near; pub use self::deep::Deep;"),
-        ("far/deep.rs", "use super::near::Near; macro_rules! m { () => { $crate::a::One } }"),
-        ("far/near.rs", "use super::Deep; struct Near; enum Deep {}"),
+        ("far/deep.rs", "use super::near::Near; pub struct Deep; macro_rules! m { () => { $crate::a::One } }"),
+        ("far/near.rs", "use super::Deep; struct Near; enum Deep {} impl T for Near { type Third = u8; }"),
         ("far/tests.rs", "use crate::c;"),
     ]);
     let circles = own.circles();
@@ -149,4 +169,7 @@ fn a_circle_that_is_made_up_is_found() {
     // Neither comments nor texts nor tests import.
     let of = |file| list(&own.imports()[&Module::of(file).unwrap()].keys().collect::<Vec<_>>());
     assert_eq!([of("a.rs"), of("b.rs"), of("c.rs")], ["b, far/deep", "c", "far"]);
+    // A type of a trait is none of the file's.
+    let twice: Vec<_> = own.types().into_iter().filter(|(_, files)| files.len() > 1).collect();
+    assert_eq!(twice, [("Deep".to_owned(), vec!["far/deep".to_owned(), "far/near".to_owned()])]);
 }

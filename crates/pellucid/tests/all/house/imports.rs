@@ -54,6 +54,8 @@ struct File {
     imported: BTreeMap<String, Names>,
     /// All paths.
     paths: Vec<Names>,
+    /// Types it defines.
+    types: Vec<String>,
 }
 
 /// The files of a crate.
@@ -84,6 +86,15 @@ impl Crate {
 
     pub fn files(&self) -> impl Iterator<Item = &Module> {
         self.0.keys()
+    }
+
+    /// The names of all types, and the files that define one of that name.
+    pub fn types(&self) -> BTreeMap<String, Vec<String>> {
+        let mut types = BTreeMap::<_, Vec<_>>::new();
+        for (module, file) in &self.0 {
+            file.types.iter().for_each(|name| types.entry(name.clone()).or_default().push(module.to_string()));
+        }
+        types
     }
 
     /// The files that each file imports, and a path by which it does. Modules above and below a file do not count.
@@ -163,12 +174,12 @@ impl File {
     fn parse(name: &str, text: &str) -> Self {
         let tokens: TokenStream = text.parse().unwrap_or_else(|error| panic!("{name} is not Rust: {error}"));
         let mut file = Self::default();
-        file.take(tokens);
+        file.take(tokens, true);
         file
     }
 
-    /// Takes in a run of tokens.
-    fn take(&mut self, tokens: TokenStream) {
+    /// Takes in a run of tokens, `top` being those in no braces.
+    fn take(&mut self, tokens: TokenStream, top: bool) {
         let tokens: Vec<TokenTree> = tokens.into_iter().collect();
         let mut at = 0;
         while let Some(token) = tokens.get(at) {
@@ -179,13 +190,19 @@ impl File {
                     let ends = |token: &TokenTree| is_punct(token, ';') || braces(token).is_some();
                     at += tokens[at..].iter().position(ends).map_or(tokens.len(), |end| end + 1);
                 }
-                TokenTree::Group(group) => self.take(group.stream()),
+                TokenTree::Group(group) => self.take(group.stream(), false),
                 TokenTree::Ident(word) => match word.to_string().as_str() {
                     // Followed by `<` it tells what a type captures.
                     "use" if !tokens.get(at).is_some_and(|next| is_punct(next, '<')) => {
                         let length = tokens[at..].iter().position(|token| is_punct(token, ';')).unwrap_or(0);
                         self.import(&tokens[at..at + length], &[]);
                         at += length;
+                    }
+                    // In braces `type` is mostly a trait's.
+                    keyword @ ("struct" | "enum" | "trait" | "type") if top || keyword != "type" => {
+                        if let Some(TokenTree::Ident(name)) = tokens.get(at) {
+                            self.types.push(name.to_string());
+                        }
                     }
                     _ => {
                         let (path, length) = path(&tokens[at - 1..]);
