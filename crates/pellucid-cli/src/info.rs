@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use super::failure::Failure;
 use super::input::{Input, RawFlags};
-use super::report::{print, print_json};
+use super::report::{in_flags, print, print_json};
 use super::{adapters, histogram};
 
 #[derive(clap::Args)]
@@ -128,7 +128,7 @@ impl<'v> About<'v> {
         if counts.nan + counts.infinite > 0 {
             line("absent", format!("{} NaN, {} infinite", counts.nan, counts.infinite));
         }
-        self.choices.iter().for_each(|choice| line(choice.setting, choice.chosen.clone()));
+        self.choices.iter().for_each(|choice| line(choice.setting, in_flags(&choice.chosen)));
         self.warnings.iter().for_each(|warning| line("warning", warning.to_string()));
         text + &histogram::draw(&self.histogram, columns, 8)
     }

@@ -15,7 +15,7 @@ use super::flags::{SceneFlags, Staged};
 use super::info::choices_json;
 use super::input::{Base, Input, RawFlags};
 use super::progress::Progress;
-use super::report::{Report, print_json};
+use super::report::{Report, in_flags, print_json};
 use super::{interrupt, output, values};
 
 /// Shown at the end of `pellucid render --help`.
@@ -143,7 +143,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     args.output.save(output, &frame, &scene.image)?;
     let save_seconds = saving.elapsed().as_secs_f64();
     for warning in &frame.warnings {
-        report.warn(warning);
+        report.warn(in_flags(warning));
         warnings.push(warning.to_string());
     }
     let seconds = frame.statistics.setup_seconds + frame.statistics.render_seconds;

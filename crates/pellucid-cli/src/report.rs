@@ -34,9 +34,21 @@ impl Report {
     /// What is about to be drawn: the volumes, what was chosen for them, what was lost.
     pub fn opening(&self, scene: &Scene, volumes: &[Arc<Volume>], choices: &[Choice], warnings: &[String]) {
         scene.volumes.iter().zip(volumes).for_each(|(entry, volume)| self.say(describe(entry, volume)));
-        choices.iter().for_each(|choice| self.say(choice));
+        choices.iter().for_each(|choice| self.say(in_flags(choice)));
         warnings.iter().for_each(|warning| self.warn(warning));
     }
+}
+
+/// Advice of the library, which speaks of settings, in the flags that set them.
+pub fn in_flags(advice: impl fmt::Display) -> String {
+    const FLAGS: [(&str, &str); 5] = [
+        ("volumes[0].component", "--component"),
+        ("volumes[0].window, preset or opacity", "--window, --preset or --opacity"),
+        ("volumes[0].unit_distance", "--unit-distance"),
+        ("A crop or clips to the inside show", "--crop or --clip to the inside shows"),
+        ("lighting.lights brings others", "--look studio, sky, skin or cloud bring others"),
+    ];
+    FLAGS.iter().fold(advice.to_string(), |advice, (settings, flags)| advice.replace(settings, flags))
 }
 
 /// A volume as it is drawn: with the spacing that the scene states.

@@ -111,8 +111,8 @@ pub fn optics(
 fn background_of_minima(population: &Population, backdrop: Backdrop) -> Option<Choice> {
     let (Backdrop::Below(common), Some((_, share))) = (backdrop, population.commonest()) else { return None };
     let chosen = format!(
-        "{} is both low and common: a minimum projection shows it on every ray that meets it. --crop or --clip to the \
-         inside shows what is lowest there",
+        "{} is both low and common: a minimum projection shows it on every ray that meets it. A crop or clips to the \
+         inside show what is lowest there",
         Short(common)
     );
     (share > 0.05).then(|| Choice::new("background", common, chosen))
@@ -317,10 +317,7 @@ pub fn lights_choice(lighting: &Lighting, technique: &Technique) -> Option<Choic
     let follows = matches!(technique, Technique::HalfAngle(_) | Technique::PathTrace(_));
     let (lights, chosen) = match lit_by_environment(technique) {
         true => ("environment", "the environment alone"),
-        false => (
-            "headlight",
-            "a headlight, which casts no shadow that is seen; --look studio, sky, skin or cloud bring others",
-        ),
+        false => ("headlight", "a headlight, which casts no shadow that is seen; lighting.lights brings others"),
     };
     (follows && is_default(lighting)).then(|| Choice::new("lights", lights, chosen))
 }

@@ -24,11 +24,11 @@ impl Stage {
 
     /// Why nothing is in the picture, although this many rays met the volume.
     pub fn why_empty(&self, rays_hit: u64) -> String {
-        let causes = self.volumes.iter().find_map(|volume| self.cause(volume, rays_hit));
+        let causes = self.volumes.iter().enumerate().find_map(|(k, volume)| self.cause(k, volume, rays_hit));
         causes.unwrap_or_else(|| "no sample that a ray meets has opacity; look at the transfer function".to_owned())
     }
 
-    fn cause(&self, volume: &StageVolume, rays_hit: u64) -> Option<String> {
+    fn cause(&self, k: usize, volume: &StageVolume, rays_hit: u64) -> Option<String> {
         let (grid, statistics) = (volume.volume.grid(), volume.volume.statistics());
         if statistics.finite == 0 {
             let absent = statistics.nan + statistics.infinite;
@@ -71,8 +71,8 @@ impl Stage {
                 _ => "it has none anywhere".to_owned(),
             };
             return Some(format!(
-                "the transfer function has no opacity over the data's range, {range}: {has}; --window, --preset or \
-                 --opacity change that"
+                "the transfer function has no opacity over the data's range, {range}: {has}; volumes[{k}].window, preset \
+                 or opacity change that"
             ));
         }
         let (low, high) = grid.world_bounds();
@@ -81,7 +81,7 @@ impl Stage {
         (total < 0.05).then(|| {
             format!(
                 "opacities hold for a unit distance of {}, and no ray is longer than {} in the volume, which makes an \
-                 opacity of {} at most: --unit-distance sets a smaller one",
+                 opacity of {} at most: volumes[{k}].unit_distance sets a smaller one",
                 Short(unit),
                 Short(length),
                 Short(total)

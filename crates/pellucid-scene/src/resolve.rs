@@ -242,8 +242,9 @@ fn component_of(
                 Some(_) => (json!("brightness"), "their brightness is drawn, in the colours of the transfer function"),
                 None => (json!(0), "only number 0 is drawn"),
             };
+            let last = components - 1;
             let chosen =
-                format!("{components} components, {what}; --component 0 to {} draws one of them", components - 1);
+                format!("{components} components, {what}; volumes[{k}].component 0 to {last} draws one of them");
             choices.push(Choice::new("component", value, chosen));
             Ok((bright.map_or_else(|| volume.clone(), Arc::new), 0))
         }

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::flags::{SceneFlags, Staged};
 use crate::input::{Input, RawFlags};
 use crate::render::{affordable, drawable};
-use crate::report::Report;
+use crate::report::{Report, in_flags};
 
 /// A scene, loaded once.
 pub struct Subject {
@@ -67,7 +67,7 @@ impl Subject {
         meter.frame(&mut stage, &mut frame, |_| Ok(()))?;
         let first_ms = (chosen + drawing.elapsed()).as_secs_f64() * 1e3;
         for warning in &frame.warnings {
-            report.warn(warning);
+            report.warn(in_flags(warning));
             warnings.push(warning.to_string());
         }
         let name = input.to_string();

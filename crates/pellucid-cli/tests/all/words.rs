@@ -175,6 +175,27 @@ fn mistakes_lead_to_what_is_meant() {
     assert!(fail_in(path, &["presets", "bone"], 2).contains("did you mean ct-bone?"));
 }
 
+/// The library speaks of settings.
+#[test]
+fn advice_is_given_in_flags() {
+    let folder = tempdir().unwrap();
+    let path = folder.path();
+    write(path, "colors.raw", (0..192).collect::<Vec<u8>>());
+    let colors = ["--dims", "4x4x4", "--type", "u8", "--components", "3"];
+    let cases: [(&str, &[&str], &str); 5] = [
+        ("colors.raw", &colors, "--component 0 to 2 draws one of them"),
+        ("sample:ball", &["--window", "1e6,2e6"], "--window, --preset or --opacity change that"),
+        ("sample:ball", &["--unit-distance", "1e9"], "--unit-distance sets a smaller one"),
+        ("sample:ball", &["--mode", "minimum"], "--crop or --clip to the inside shows what is lowest there"),
+        ("sample:ball", &["--technique", "half-angle"], "--look studio, sky, skin or cloud bring others"),
+    ];
+    for (input, flags, advice) in cases {
+        let draw = ["render", input, "--size", "8x8", "--backend", "cpu", "-o", "a.png"];
+        let told = text(&run_in(path, &[&draw, flags].concat()).stderr).to_owned();
+        assert!(told.contains(advice), "'{advice}' is not in {told}");
+    }
+}
+
 #[test]
 fn flags_without_effect_are_called_by_their_names() {
     let folder = tempdir().unwrap();

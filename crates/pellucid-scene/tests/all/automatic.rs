@@ -369,7 +369,7 @@ fn colours_are_drawn_by_their_brightness_and_other_components_said() {
     let volume = Volume::with_components(grid(), green, 3).unwrap();
     let (stage, choices) = resolve(volume, Mode::Composite);
     assert!(chose(&choices, "component").contains("3 components"), "{choices:?}");
-    assert!(chose(&choices, "component").contains("--component"), "{choices:?}");
+    assert!(chose(&choices, "component").contains("volumes[0].component 0 to 2"), "{choices:?}");
     // Rec. 709 gives green 0.7152.
     let drawn = &stage.volumes[0];
     assert_eq!((drawn.volume.components(), drawn.volume.value([12; 3], drawn.component)), (1, 143.0));
@@ -402,7 +402,7 @@ fn each_component_has_a_window_and_a_preset_of_its_own() {
 #[test]
 fn a_minimum_of_a_background_is_said_to_be_one() {
     let (_, choices) = resolve(patient(), Mode::Minimum);
-    assert!(chose(&choices, "background").contains("-1000") && chose(&choices, "background").contains("--crop"));
+    assert!(chose(&choices, "background").contains("-1000") && chose(&choices, "background").contains("crop"));
     let (_, choices) = resolve(volume(by_radius(|r| r as f32)), Mode::Minimum);
     assert!(chose(&choices, "background").is_empty(), "{choices:?}");
 }

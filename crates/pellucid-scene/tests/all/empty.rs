@@ -59,7 +59,7 @@ fn the_cause_is_named_with_what_there_is() {
         (
             stage(&volume, |scene| scene.volumes[0].transfer_function = Some(tf(&[(600.0, 0.0), (700.0, 0.5)]))),
             9,
-            &["transfer function", "0 to 511", "700", "--window"],
+            &["transfer function", "0 to 511", "700", "volumes[0].window"],
         ),
         (
             stage(&volume, |scene| scene.volumes[0].transfer_function = Some(tf(&[(0.0, 0.0)]))),
@@ -67,7 +67,7 @@ fn the_cause_is_named_with_what_there_is() {
             &["transfer function", "none anywhere"],
         ),
         (stage(&volume, |scene| scene.volumes[0].unit_distance = Some(1e6)), 9, &["unit distance", "1000000"]),
-        (stage(&volume, |scene| scene.volumes[0].window = Some([1e4, 2e4])), 9, &["0 to 511", "--window"]),
+        (stage(&volume, |scene| scene.volumes[0].window = Some([1e4, 2e4])), 9, &["0 to 511", "volumes[0].window"]),
     ];
     for (k, (stage, rays_hit, parts)) in cases.into_iter().enumerate() {
         let said = stage.why_empty(rays_hit);
