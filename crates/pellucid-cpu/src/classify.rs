@@ -6,6 +6,7 @@ use pellucid_optics::{Nodes, PreIntegration, StepTable, Table};
 
 use crate::field::{Any, Corners, Field, Moved, lane_position};
 use crate::lanes::*;
+use crate::medium::Element;
 use crate::samples::Sample;
 
 /// A table of linear RGB and opacity in the shape lanes look it up (4.1-4).
@@ -152,18 +153,10 @@ fn cell<S: Lanes>(s: S, limited: F32<S>, last: usize) -> (I32<S>, F32<S>) {
     (node, limited - node.to_float::<F32<S>>())
 }
 
-/// Classified samples.
-pub struct Classified<S: Lanes> {
-    /// Associated linear RGB and opacity of one step.
-    pub rgba: [F32<S>; 4],
-    /// Lanes with any opacity.
-    pub visible: Mask<S>,
-}
-
 /// Classifies single samples.
 pub trait Classify<S: Lanes>: Sync {
     /// Samples with these values, or `None` if none has any opacity.
-    fn classify(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Classified<S>>;
+    fn classify(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Element<S>>;
 }
 
 /// The transfer function applied to the interpolated value (4.3-1).
@@ -171,7 +164,7 @@ pub struct Post<'a>(pub Lookup<'a>);
 
 impl<S: Lanes> Classify<S> for Post<'_> {
     #[inline(always)]
-    fn classify(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Classified<S>> {
+    fn classify(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Element<S>> {
         let position = self.0.position(s, value);
         let candidates = sample.lanes & self.0.may_be_visible(s, position);
         if !candidates.any_true() {
@@ -179,7 +172,7 @@ impl<S: Lanes> Classify<S> for Post<'_> {
         }
         let rgba = self.0.at(s, position, sample.level);
         let visible = candidates & rgba[3].simd_gt(splat(s, 0.0));
-        Some(Classified { rgba, visible })
+        Some(Element { rgba, visible })
     }
 }
 
@@ -196,7 +189,7 @@ pub struct Pre<'a, S> {
 
 impl<S: Lanes> Classify<S> for Pre<'_, S> {
     #[inline(always)]
-    fn classify(&self, s: S, _: F32<S>, &Sample { index, lanes, .. }: &Sample<S>) -> Option<Classified<S>> {
+    fn classify(&self, s: S, _: F32<S>, &Sample { index, lanes, .. }: &Sample<S>) -> Option<Element<S>> {
         let rgba = match if self.each.is_linear() { self.field.corners(s, index, lanes) } else { None } {
             Some(corners) => self.blend(s, &corners, lanes)?,
             None => self.each.colors(s, &index, lanes),
@@ -205,7 +198,7 @@ impl<S: Lanes> Classify<S> for Pre<'_, S> {
         if !visible.any_true() {
             return None;
         }
-        Some(Classified { rgba, visible })
+        Some(Element { rgba, visible })
     }
 }
 

@@ -3,127 +3,91 @@
 use pellucid_optics::Chroma;
 
 use crate::chroma;
-use crate::classify::{Classified, Classify, Segments};
-use crate::cut::{Cut, Cuts};
+use crate::classify::Classify;
 use crate::field::Field;
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
+use crate::medium::{Beam, Element, Integrals, OneGrid};
 use crate::packet::{Packet, Rays};
 use crate::samples::March;
 use crate::segments::{Segment, Verdict, Visit, each_segment};
-use crate::skip::{Levels, SkipGrid};
-use crate::surface::{Aim, Surface, Unlit, normals};
 use crate::vary::Vary;
 
-/// What every compositing loop shares: the field, light, empty blocks and the stop criterion.
-pub struct Medium<'a, S, F> {
-    /// The instruction set.
-    pub s: S,
-    /// The field.
-    pub field: F,
-    /// Light, if surfaces are shaded.
-    pub surface: Option<Surface<'a, S>>,
-    /// Where matter is cut.
-    pub cuts: Cuts,
-    /// Blocks that can contribute, if empty space is skipped.
-    pub skip: Option<&'a SkipGrid>,
-    /// The strides that blocks allow, if steps adapt to the data.
-    pub levels: Option<&'a Levels>,
+/// The accumulated light of every ray.
+pub struct Accumulator<S: Lanes> {
+    color: [F32<S>; 4],
+    /// Distance at which opacity first reached one half.
+    half: F32<S>,
+}
+
+/// How light accumulates along rays.
+pub struct Accumulation {
     /// How each colour is held back, if not all alike.
     pub chroma: Option<Chroma>,
     /// Opacity at which a ray stops.
     pub early_termination: f32,
 }
 
-/// The accumulated light of every ray.
-struct Accumulator<S: Lanes> {
-    color: [F32<S>; 4],
-    /// Distance at which opacity first reached one half.
-    half: F32<S>,
-    /// What light needs of the ray, if samples are lit.
-    lit: Option<Ray<S>>,
-}
-
-/// How a ray that is lit came in.
-struct Ray<S: Lanes> {
-    aim: Aim<S>,
-    cut: Cut<S>,
-}
-
-impl<S: Lanes, F: Field<S>> Medium<'_, S, F> {
+impl Accumulation {
+    /// Nothing yet.
     #[inline(always)]
-    fn start(&self, packet: &Packet, rays: &Rays<S>) -> Accumulator<S> {
-        let (s, zero) = (self.s, splat(self.s, 0.0));
-        let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
-        let lit = self.surface.as_ref().map(
-            #[inline(always)]
-            |surface| Ray { aim: surface.aim(s, to_eye), cut: self.cut(rays) },
-        );
-        Accumulator { color: [zero; 4], half: splat(s, f32::INFINITY), lit }
-    }
-
-    #[inline(always)]
-    fn cut(&self, rays: &Rays<S>) -> Cut<S> {
-        self.cuts.met(self.s, &rays.origin, &rays.direction)
-    }
-
-    /// Shades associated samples, if samples are lit.
-    #[inline(always)]
-    fn lit(&self, ray: &Option<Ray<S>>, sample: &Unlit<S>, gradients: impl FnOnce() -> Vec3<S>) -> [F32<S>; 4] {
-        let (Some(surface), Some(Ray { aim, cut })) = (&self.surface, ray) else { return sample.rgba };
-        surface.shade(
-            self.s,
-            sample,
-            aim,
-            #[inline(always)]
-            || if surface.weighs_gradients() { gradients() } else { cut.gradients(self.s, &sample.index, gradients()) },
-        )
+    pub fn start<S: Lanes>(&self, s: S) -> Accumulator<S> {
+        Accumulator { color: [splat(s, 0.0); 4], half: splat(s, f32::INFINITY) }
     }
 
     /// Adds samples behind what is there. Returns the rays that are done.
     #[inline(always)]
-    fn add(&self, ray: &mut Accumulator<S>, distance: F32<S>, rgba: [F32<S>; 4], lanes: Mask<S>) -> Mask<S> {
-        let zero = splat(self.s, 0.0);
-        let through = lanes.select(splat(self.s, 1.0) - ray.color[3], zero);
+    pub fn add<S: Lanes>(
+        &self,
+        s: S,
+        ray: &mut Accumulator<S>,
+        distance: F32<S>,
+        rgba: [F32<S>; 4],
+        lanes: Mask<S>,
+    ) -> Mask<S> {
+        let zero = splat(s, 0.0);
+        let through = lanes.select(splat(s, 1.0) - ray.color[3], zero);
         match &self.chroma {
             None => ray.color = rgba!(C => through.mul_add(rgba[C], ray.color[C])),
             Some(_) => {
-                let found = chroma::over(self.s, self.chroma.as_ref(), ray.color, rgba);
+                let found = chroma::over(s, self.chroma.as_ref(), ray.color, rgba);
                 ray.color = rgba!(C => lanes.select(found[C], ray.color[C]));
             }
         }
-        let reached = ray.color[3].simd_ge(splat(self.s, 0.5)) & ray.half.simd_eq(splat(self.s, f32::INFINITY));
+        let reached = ray.color[3].simd_ge(splat(s, 0.5)) & ray.half.simd_eq(splat(s, f32::INFINITY));
         ray.half = reached.select(distance, ray.half);
-        ray.color[3].simd_ge(splat(self.s, self.early_termination))
+        ray.color[3].simd_ge(splat(s, self.early_termination))
     }
 
+    /// Writes down what rays have met; `normals` are asked for where opacity has reached one half.
     #[inline(always)]
-    fn finish(&self, ray: &Accumulator<S>, rays: &Rays<S>, traced: &mut Traced) {
+    pub fn finish<S: Lanes>(
+        &self,
+        s: S,
+        ray: &Accumulator<S>,
+        traced: &mut Traced,
+        normals: impl FnOnce(F32<S>, Mask<S>) -> Vec3<S>,
+    ) {
         let [r, g, b, alpha] = ray.color;
-        traced.set_color::<S>([r, g, b, chroma::coverage(self.s, self.chroma.as_ref(), alpha)]);
+        traced.set_color::<S>([r, g, b, chroma::coverage(s, self.chroma.as_ref(), alpha)]);
         if self.chroma.is_some() {
-            traced.set_opacities::<S>(chroma::opacities(self.s, self.chroma.as_ref(), alpha));
+            traced.set_opacities::<S>(chroma::opacities(s, self.chroma.as_ref(), alpha));
         }
         let met = ray.half.is_finite();
-        let mut normal = [splat(self.s, 0.0); 3];
+        let mut normal = [splat(s, 0.0); 3];
         if met.any_true() {
-            let index = rays.at(met.select(ray.half, splat(self.s, 0.0)));
-            let value = self.field.values(self.s, index, met);
-            let present = value.is_finite();
-            let gradient = self.field.gradients(self.s, index, met);
-            let found = normals(self.s, gradient).0;
-            normal = xyz!(I => present.select(found[I], splat(self.s, 0.0)));
+            normal = normals(met.select(ray.half, splat(s, 0.0)), met);
         }
-        traced.set_surface(self.s, met, ray.half, normal);
+        traced.set_surface(s, met, ray.half, normal);
     }
 }
 
 /// Compositing of classified samples.
 pub struct Composite<'a, S, F, C> {
-    /// The shared parts.
-    pub medium: Medium<'a, S, F>,
-    /// How samples get colour and opacity.
-    pub classifier: C,
+    /// What lies along rays.
+    pub medium: OneGrid<'a, S, F, C>,
+    /// How its light accumulates.
+    pub accumulation: Accumulation,
 }
 
 impl<S: Lanes, F: Field<S>, C: Classify<S>> Integrator for Composite<'_, S, F, C> {
@@ -132,7 +96,6 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> Integrator for Composite<'_, S, F, C
     }
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
-        // Two loops: one that never lights has registers to spare.
         match self.medium.surface {
             Some(_) => self.follow::<true>(wave, traced, tally),
             None => self.follow::<false>(wave, traced, tally),
@@ -143,7 +106,7 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> Integrator for Composite<'_, S, F, C
 impl<S: Lanes, F: Field<S>, C: Classify<S>> Composite<'_, S, F, C> {
     #[inline(always)]
     fn follow<const LIT: bool>(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
-        let (medium, s) = (&self.medium, self.medium.s);
+        let (medium, accumulation, s) = (&self.medium, &self.accumulation, self.medium.s);
         s.vectorize(
             #[inline(always)]
             || {
@@ -151,12 +114,12 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> Composite<'_, S, F, C> {
                 for packet in wave {
                     let (rays, counter) = (Rays::new(s, packet), Counter::new(s));
                     let march = March::new(s, &rays, medium.levels);
-                    let ray = medium.start(packet, &rays);
-                    followed.push(Followed { rays, march, counter, ray, open: true });
+                    let beam = medium.beam(packet, &rays);
+                    followed.push(Followed { rays, march, counter, beam, ray: accumulation.start(s), open: true });
                 }
                 while followed.iter().any(|packet| packet.open) {
                     for packet in followed.iter_mut().filter(|packet| packet.open) {
-                        let ray = &mut packet.ray;
+                        let (ray, beam) = (&mut packet.ray, packet.beam.as_ref());
                         packet.open = packet.march.run(
                             s,
                             &packet.rays,
@@ -166,34 +129,23 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> Composite<'_, S, F, C> {
                             |index| medium.field.prefetch(s, index),
                             #[inline(always)]
                             |sample, counter| {
-                                let (value, near) = if LIT {
-                                    let (value, near) = medium.field.values_near(s, sample.index, sample.lanes);
-                                    (value, Some(near))
-                                } else {
-                                    (medium.field.values(s, sample.index, sample.lanes), None)
-                                };
-                                let classified = self.classifier.classify(s, value, sample);
-                                let Some(Classified { mut rgba, visible }) = classified else { return all(s, false) };
+                                let element = medium.sample::<LIT>(beam, sample);
+                                let Some(Element { rgba, visible }) = element else { return all(s, false) };
                                 counter.see(visible);
-                                if sample.shortened {
-                                    rgba = chroma::over_length(s, medium.chroma.as_ref(), rgba, sample.ratio);
-                                }
-                                if let Some(near) = near {
-                                    rgba = medium.lit(
-                                        &ray.lit,
-                                        &Unlit { rgba, value, index: sample.index, lanes: visible },
-                                        #[inline(always)]
-                                        || medium.field.gradients_near(s, &near, visible),
-                                    );
-                                }
-                                medium.add(ray, sample.distance, rgba, visible)
+                                accumulation.add(s, ray, sample.distance, rgba, visible)
                             },
                         );
                     }
                 }
-                for (packet, traced) in followed.into_iter().zip(traced) {
-                    medium.finish(&packet.ray, &packet.rays, traced);
-                    packet.counter.finish(traced, tally);
+                for (Followed { rays, ray, counter, .. }, traced) in followed.into_iter().zip(traced) {
+                    accumulation.finish(
+                        s,
+                        &ray,
+                        traced,
+                        #[inline(always)]
+                        |half, met| medium.normals_at(rays.at(half), met),
+                    );
+                    counter.finish(traced, tally);
                 }
             },
         );
@@ -205,6 +157,7 @@ struct Followed<'a, S: Lanes> {
     rays: Rays<S>,
     march: March<'a, S>,
     counter: Counter<S>,
+    beam: Option<Beam<S>>,
     ray: Accumulator<S>,
     open: bool,
 }
@@ -212,12 +165,10 @@ struct Followed<'a, S: Lanes> {
 /// Compositing of pre-integrated segments between the nodes of the lattice (4.6-7, 7.2-3): one
 /// fetch a step, and the first segment starts at the entry, not at a made-up value of 0.
 pub struct PreIntegrated<'a, S, F, V> {
-    /// The shared parts.
-    pub medium: Medium<'a, S, F>,
-    /// Ray integrals of one full step.
-    pub table: Segments<'a>,
-    /// What varies them.
-    pub vary: V,
+    /// What lies along rays.
+    pub medium: OneGrid<'a, S, F, Integrals<'a, V>>,
+    /// How its light accumulates.
+    pub accumulation: Accumulation,
 }
 
 impl<S: Lanes, F: Field<S>, V: Vary> Integrator for PreIntegrated<'_, S, F, V> {
@@ -226,7 +177,7 @@ impl<S: Lanes, F: Field<S>, V: Vary> Integrator for PreIntegrated<'_, S, F, V> {
     }
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
-        let (medium, s) = (&self.medium, self.medium.s);
+        let (medium, accumulation, s) = (&self.medium, &self.accumulation, self.medium.s);
         one_by_one(
             s,
             wave,
@@ -234,11 +185,16 @@ impl<S: Lanes, F: Field<S>, V: Vary> Integrator for PreIntegrated<'_, S, F, V> {
             tally,
             #[inline(always)]
             |packet, rays, traced, counter| {
-                let mut ray = medium.start(packet, rays);
-                let (skip, field) = (medium.skip, &medium.field);
-                let mut compositing = Compositing { mode: self, rays, ray: &mut ray };
-                each_segment(s, field, rays, skip, counter, &mut compositing);
-                medium.finish(&ray, rays, traced);
+                let (mut ray, beam) = (accumulation.start(s), medium.beam(packet, rays));
+                let mut compositing = Compositing { mode: self, rays, beam: beam.as_ref(), ray: &mut ray };
+                each_segment(s, &medium.field, rays, medium.skip, counter, &mut compositing);
+                accumulation.finish(
+                    s,
+                    &ray,
+                    traced,
+                    #[inline(always)]
+                    |half, met| medium.normals_at(rays.at(half), met),
+                );
             },
         );
     }
@@ -248,45 +204,18 @@ impl<S: Lanes, F: Field<S>, V: Vary> Integrator for PreIntegrated<'_, S, F, V> {
 struct Compositing<'a, S: Lanes, F, V> {
     mode: &'a PreIntegrated<'a, S, F, V>,
     rays: &'a Rays<S>,
+    beam: Option<&'a Beam<S>>,
     ray: &'a mut Accumulator<S>,
 }
 
 impl<S: Lanes, F: Field<S>, V: Vary> Visit<S> for Compositing<'_, S, F, V> {
     #[inline(always)]
     fn visit(&mut self, segment: &Segment<S>, counter: &mut Counter<S>) -> Verdict<S> {
-        let medium = &self.mode.medium;
+        let PreIntegrated { medium, accumulation } = self.mode;
         let none = all(medium.s, false);
-        let (rgba, visible) = self.mode.integral(segment);
-        if !visible.any_true() {
-            return Verdict { done: none, wait: none };
-        }
+        let element = medium.between(self.rays, self.beam, segment);
+        let Some(Element { rgba, visible }) = element else { return Verdict { done: none, wait: none } };
         counter.see(visible);
-        let middle = (segment.distance[0] + segment.distance[1]) * 0.5;
-        let (index, [front, back]) = (self.rays.at(middle), segment.value);
-        let rgba = self.mode.vary.vary(medium.s, &index, rgba);
-        let value = (front.is_finite().select(front, back) + back.is_finite().select(back, front)) * 0.5;
-        let rgba = medium.lit(
-            &self.ray.lit,
-            &Unlit { rgba, value, index, lanes: visible },
-            #[inline(always)]
-            || medium.field.gradients(medium.s, index, visible),
-        );
-        Verdict { done: medium.add(self.ray, middle, rgba, visible), wait: none }
-    }
-}
-
-impl<S: Lanes, F: Field<S>, V> PreIntegrated<'_, S, F, V> {
-    /// The integrals over segments, and the lanes that have any opacity. Where one end is absent
-    /// the field reaches half way with the value of the other.
-    #[inline(always)]
-    fn integral(&self, segment: &Segment<S>) -> ([F32<S>; 4], Mask<S>) {
-        let s = self.medium.s;
-        let [front, back] = segment.value;
-        let present = [front.is_finite(), back.is_finite()];
-        let length = (present[0] & present[1]).select(segment.length, segment.length * 0.5);
-        let lanes = segment.lanes & (present[0] | present[1]);
-        let [from, to] = [present[0].select(front, back), present[1].select(back, front)];
-        let rgba = self.table.lookup(s, [from, to], length, lanes);
-        (rgba, lanes & rgba[3].simd_gt(splat(s, 0.0)))
+        Verdict { done: accumulation.add(medium.s, self.ray, segment.middle(), rgba, visible), wait: none }
     }
 }

@@ -18,6 +18,7 @@ mod half_angle;
 mod integrator;
 mod isosurface;
 mod lanes;
+mod medium;
 mod modes;
 mod packet;
 mod path_trace;

@@ -5,11 +5,12 @@ use pellucid_scene::{Classification, Combine, Isosurface, Mode};
 
 use crate::RenderError;
 use crate::classify::{Lookup, Post, Pre, PreEach, Segments};
-use crate::composite::{Composite, Medium, PreIntegrated};
+use crate::composite::{Accumulation, Composite, PreIntegrated};
 use crate::field::{Any, Field, Moved};
 use crate::integrator::Integrator;
 use crate::isosurface::{Isosurfaces, Level};
 use crate::lanes::{InstructionSet, Lanes, dispatch};
+use crate::medium::{Integrals, OneGrid};
 use crate::prepare::Prepared;
 use crate::projection::{Additive, Average, Extreme, XRay};
 use crate::reconstruct::WithField;
@@ -87,10 +88,16 @@ impl Prepared<'_> {
                 early_termination,
             }),
             _ => {
-                let medium = self.medium(s, field, surface);
+                let accumulation = self.accumulation();
                 match &self.tables.preintegration {
-                    Some(table) => Box::new(PreIntegrated { medium, table: Segments(table), vary: Uniform }),
-                    None => Box::new(Composite { medium, classifier: Post(self.lookup()) }),
+                    Some(table) => {
+                        let optics = Integrals { table: Segments(table), vary: Uniform };
+                        Box::new(PreIntegrated { medium: self.one_grid(s, field, optics, surface), accumulation })
+                    }
+                    None => {
+                        let medium = self.one_grid(s, field, Post(self.lookup()), surface);
+                        Box::new(Composite { medium, accumulation })
+                    }
                 }
             }
         }
@@ -103,12 +110,15 @@ impl Prepared<'_> {
         surface: Option<Surface<'a, S>>,
         varied: Varied<'a>,
     ) -> Box<dyn Integrator + 'a> {
-        let medium = self.medium(s, field, surface);
+        let accumulation = self.accumulation();
         match &self.tables.preintegration {
-            Some(table) => Box::new(PreIntegrated { medium, table: Segments(table), vary: varied }),
+            Some(table) => {
+                let optics = Integrals { table: Segments(table), vary: varied };
+                Box::new(PreIntegrated { medium: self.one_grid(s, field, optics, surface), accumulation })
+            }
             None => {
-                let classifier = VariedSamples { classifier: Post(self.lookup()), varied };
-                Box::new(Composite { medium, classifier })
+                let optics = VariedSamples { classifier: Post(self.lookup()), varied };
+                Box::new(Composite { medium: self.one_grid(s, field, optics, surface), accumulation })
             }
         }
     }
@@ -158,25 +168,33 @@ impl Prepared<'_> {
                 let lookup = Lookup::of_steps(&self.tables.step_table);
                 let voxels = self.any(each.moved.sampler.clone());
                 let classifier = Pre { field: voxels, lookup, each };
-                let medium = self.medium(s, field, surface);
+                let accumulation = self.accumulation();
                 match self.varied() {
-                    Some(varied) => Box::new(Composite { medium, classifier: VariedSamples { classifier, varied } }),
-                    None => Box::new(Composite { medium, classifier }),
+                    Some(varied) => {
+                        let optics = VariedSamples { classifier, varied };
+                        Box::new(Composite { medium: self.one_grid(s, field, optics, surface), accumulation })
+                    }
+                    None => Box::new(Composite { medium: self.one_grid(s, field, classifier, surface), accumulation }),
                 }
             }
         }
     }
 
-    fn medium<'a, S: Lanes, F: Field<S>>(
+    fn one_grid<'a, S: Lanes, F: Field<S>, O>(
         &'a self,
         s: S,
         field: F,
+        optics: O,
         surface: Option<Surface<'a, S>>,
-    ) -> Medium<'a, S, F> {
-        let early_termination = self.stage.quality.early_termination;
+    ) -> OneGrid<'a, S, F, O> {
         let (skip, levels) = (self.grids.skip.as_ref(), self.grids.levels.as_ref());
         let chroma = self.stage.chroma(self.volume);
-        Medium { s, field, surface, cuts: self.cuts(), skip, levels, chroma, early_termination }
+        OneGrid { s, field, optics, surface, cuts: self.cuts(), skip, levels, chroma }
+    }
+
+    fn accumulation(&self) -> Accumulation {
+        let early_termination = self.stage.quality.early_termination;
+        Accumulation { chroma: self.stage.chroma(self.volume), early_termination }
     }
 
     fn extreme<'a, S: Lanes, F: Field<S> + 'a>(

@@ -23,6 +23,14 @@ pub struct Segment<S: Lanes> {
     pub lanes: Mask<S>,
 }
 
+impl<S: Lanes> Segment<S> {
+    /// Distance of its middle from the entry, in steps.
+    #[inline(always)]
+    pub fn middle(&self) -> F32<S> {
+        (self.distance[0] + self.distance[1]) * 0.5
+    }
+}
+
 /// What becomes of rays after a segment.
 pub struct Verdict<S: Lanes> {
     /// Rays that are done.

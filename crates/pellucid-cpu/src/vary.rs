@@ -4,9 +4,10 @@
 use pellucid_optics::{Chroma, Variation};
 
 use crate::chroma;
-use crate::classify::{Classified, Classify};
+use crate::classify::Classify;
 use crate::field::turbulence;
 use crate::lanes::*;
+use crate::medium::Element;
 use crate::samples::Sample;
 
 /// What happens to classified samples, and to segments, by where they are.
@@ -98,8 +99,8 @@ pub struct VariedSamples<'a, C> {
 
 impl<S: Lanes, C: Classify<S>> Classify<S> for VariedSamples<'_, C> {
     #[inline(always)]
-    fn classify(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Classified<S>> {
-        let Classified { rgba, visible } = self.classifier.classify(s, value, sample)?;
-        Some(Classified { rgba: self.varied.vary(s, &sample.index, rgba), visible })
+    fn classify(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Element<S>> {
+        let Element { rgba, visible } = self.classifier.classify(s, value, sample)?;
+        Some(Element { rgba: self.varied.vary(s, &sample.index, rgba), visible })
     }
 }

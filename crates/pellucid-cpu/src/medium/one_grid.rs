@@ -1,0 +1,143 @@
+//! One volume with its optics: compiled into the loops of the modes, or one of several layers.
+
+use pellucid_optics::Chroma;
+
+use super::{Beam, Element};
+use crate::chroma;
+use crate::classify::{Classify, Segments};
+use crate::cut::Cuts;
+use crate::field::Field;
+use crate::lanes::*;
+use crate::packet::{Packet, Rays};
+use crate::samples::Sample;
+use crate::segments::Segment;
+use crate::skip::{Levels, SkipGrid};
+use crate::surface::{Surface, Unlit, normals};
+use crate::vary::Vary;
+
+/// The field of a volume, what it looks like, and the light on it. Its optics `O` are asked for single samples
+/// ([`Classify`]) or for pairs ([`Integrals`]).
+pub struct OneGrid<'a, S, F, O> {
+    /// The instruction set.
+    pub s: S,
+    /// The field.
+    pub field: F,
+    /// What it looks like.
+    pub optics: O,
+    /// Light, if samples are lit.
+    pub surface: Option<Surface<'a, S>>,
+    /// Where matter is cut.
+    pub cuts: Cuts,
+    /// Blocks that can contribute, if empty space is skipped.
+    pub skip: Option<&'a SkipGrid>,
+    /// The strides that blocks allow, if steps adapt to the data.
+    pub levels: Option<&'a Levels>,
+    /// How each colour is held back, if not all alike.
+    pub chroma: Option<Chroma>,
+}
+
+/// Optics of segments: ray integrals of one full step, and what varies them.
+pub struct Integrals<'a, V> {
+    /// The integrals.
+    pub table: Segments<'a>,
+    /// What varies them.
+    pub vary: V,
+}
+
+impl<S: Lanes, F: Field<S>, O> OneGrid<'_, S, F, O> {
+    /// What light needs of the eye's rays, if samples are lit.
+    #[inline(always)]
+    pub fn beam(&self, packet: &Packet, rays: &Rays<S>) -> Option<Beam<S>> {
+        let s = self.s;
+        let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
+        self.surface.as_ref().map(
+            #[inline(always)]
+            |surface| Beam { aim: surface.aim(s, to_eye), cut: self.cuts.met(s, &rays.origin, &rays.direction) },
+        )
+    }
+
+    /// Shades associated samples, if samples are lit.
+    #[inline(always)]
+    fn lit(&self, beam: Option<&Beam<S>>, sample: &Unlit<S>, gradients: impl FnOnce() -> Vec3<S>) -> [F32<S>; 4] {
+        let (Some(surface), Some(Beam { aim, cut })) = (&self.surface, beam) else { return sample.rgba };
+        surface.shade(
+            self.s,
+            sample,
+            aim,
+            #[inline(always)]
+            || if surface.weighs_gradients() { gradients() } else { cut.gradients(self.s, &sample.index, gradients()) },
+        )
+    }
+
+    /// Unit normals at index positions, zero where the field is absent.
+    #[inline(always)]
+    pub fn normals_at(&self, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
+        let s = self.s;
+        let present = self.field.values(s, index, lanes).is_finite();
+        let found = normals(s, self.field.gradients(s, index, lanes)).0;
+        xyz!(I => present.select(found[I], splat(s, 0.0)))
+    }
+}
+
+impl<S: Lanes, F: Field<S>, C: Classify<S>> OneGrid<'_, S, F, C> {
+    /// What samples send to the eye; `None` if none has any opacity. A loop that never lights has registers to spare.
+    #[inline(always)]
+    pub fn sample<const LIT: bool>(&self, beam: Option<&Beam<S>>, sample: &Sample<S>) -> Option<Element<S>> {
+        let s = self.s;
+        let (value, near) = if LIT {
+            let (value, near) = self.field.values_near(s, sample.index, sample.lanes);
+            (value, Some(near))
+        } else {
+            (self.field.values(s, sample.index, sample.lanes), None)
+        };
+        let Element { mut rgba, visible } = self.optics.classify(s, value, sample)?;
+        if sample.shortened {
+            rgba = chroma::over_length(s, self.chroma.as_ref(), rgba, sample.ratio);
+        }
+        if let Some(near) = near {
+            rgba = self.lit(
+                beam,
+                &Unlit { rgba, value, index: sample.index, lanes: visible },
+                #[inline(always)]
+                || self.field.gradients_near(s, &near, visible),
+            );
+        }
+        Some(Element { rgba, visible })
+    }
+}
+
+impl<S: Lanes, F: Field<S>, V: Vary> OneGrid<'_, S, F, Integrals<'_, V>> {
+    /// What segments send to the eye; `None` if none has any opacity.
+    #[inline(always)]
+    pub fn between(&self, rays: &Rays<S>, beam: Option<&Beam<S>>, segment: &Segment<S>) -> Option<Element<S>> {
+        let s = self.s;
+        let (rgba, visible) = self.integral(segment);
+        if !visible.any_true() {
+            return None;
+        }
+        let (index, [front, back]) = (rays.at(segment.middle()), segment.value);
+        let rgba = self.optics.vary.vary(s, &index, rgba);
+        let value = (front.is_finite().select(front, back) + back.is_finite().select(back, front)) * 0.5;
+        let rgba = self.lit(
+            beam,
+            &Unlit { rgba, value, index, lanes: visible },
+            #[inline(always)]
+            || self.field.gradients(s, index, visible),
+        );
+        Some(Element { rgba, visible })
+    }
+
+    /// The integrals over segments, and the lanes that have any opacity. Where one end is absent
+    /// the field reaches half way with the value of the other.
+    #[inline(always)]
+    fn integral(&self, segment: &Segment<S>) -> ([F32<S>; 4], Mask<S>) {
+        let s = self.s;
+        let [front, back] = segment.value;
+        let present = [front.is_finite(), back.is_finite()];
+        let length = (present[0] & present[1]).select(segment.length, segment.length * 0.5);
+        let lanes = segment.lanes & (present[0] | present[1]);
+        let [from, to] = [present[0].select(front, back), present[1].select(back, front)];
+        let rgba = self.optics.table.lookup(s, [from, to], length, lanes);
+        (rgba, lanes & rgba[3].simd_gt(splat(s, 0.0)))
+    }
+}
