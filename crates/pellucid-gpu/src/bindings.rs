@@ -9,11 +9,10 @@ use wgpu::{
     SamplerDescriptor, TextureFormat, TextureView,
 };
 
+use crate::drawing::Interpolation;
 use crate::kernels::Kernels;
-use crate::light_volume::LightVolumes;
 use crate::optics::{Optics, lights};
 use crate::passes::PassBuffer;
-use crate::renderer::Interpolation;
 use crate::resident::Resident;
 use crate::shaders::Variant;
 use crate::uniforms::{self, Frame, Light};
@@ -105,11 +104,12 @@ impl<'a> Bindings<'a> {
         }
     }
 
-    /// The same with shadows that light volumes tell of, if there are some; the frame's numbers must say so, too.
-    pub fn with_light(mut self, light: Option<&LightVolumes>) -> Self {
-        if let Some(light) = light {
+    /// The same with shadows that the points of light volumes tell of, if there are some; the frame's numbers must say
+    /// so, too.
+    pub fn with_light(mut self, points: Option<TextureView>) -> Self {
+        if points.is_some() {
             self.variant.shadowed = true;
-            self.points = Some(light.points.clone());
+            self.points = points;
         }
         self
     }

@@ -15,11 +15,11 @@ use wgpu::{
 
 use crate::bindings::Bindings;
 use crate::dispatch::dispatch;
+use crate::drawing::Drawing;
 use crate::half_angle::{self, Layers, Sweep};
 use crate::optics::Optics;
 use crate::passes::PassBuffer;
 use crate::pipelines::{Pipeline, Pipelines};
-use crate::renderer::Drawing;
 use crate::resident::Resident;
 use crate::shaders::{Pass, Variant};
 use crate::texture::extent;

@@ -6,10 +6,9 @@ use pellucid_scene::{Stage, StageVolume};
 
 use crate::bricks::{self, Brick};
 use crate::optics::Optics;
-use crate::resident::Source;
 use crate::staging::Staging;
 use crate::targets::Targets;
-use crate::texture::Layout;
+use crate::texture::{Layout, Source};
 use crate::{Device, GpuError};
 
 /// The memory of a frame, in bytes, and what had to be done to make it fit.

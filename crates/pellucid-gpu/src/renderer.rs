@@ -1,6 +1,5 @@
 //! From a stage to a frame.
 
-use std::fmt;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -11,71 +10,38 @@ use pellucid_scene::{Control, Frame, FrameStatistics, Mode, RenderWarning, Stage
 
 use crate::bricks::{self, Brick};
 use crate::device::Device;
-use crate::half_angle::{self, HalfAngleSlicer};
+use crate::drawing::{Drawing, Interpolation, Passes};
+use crate::half_angle::{self, HalfAngleSlicer, KeptLight};
 use crate::light_volume::{self, LightVolumes};
 use crate::optics::Optics;
-use crate::path_trace::{self, PathTracer, UploadedSky};
+use crate::path_trace::{self, KeptPaths, PathTracer};
 use crate::pipelines::Pipelines;
 use crate::plan::Demands;
-use crate::ray_cast::RayCaster;
-use crate::resident::{Resident, Source};
-use crate::reused::Reused;
-use crate::slicing::{self, DrawPipelines, Slicer};
-use crate::texture::{Encoding, Layout, Part};
+use crate::ray_cast::{KeptRays, RayCaster};
+use crate::resident::Resident;
+use crate::slicing::{self, KeptSlices, Slicer};
+use crate::targets::Targets;
+use crate::texture::{Encoding, Layout, Part, Source};
+use crate::timer::Timer;
 use crate::uploads::Uploads;
 use crate::{AdapterChoice, Ceiling, GpuError, MemoryPlan};
-
-/// How the field is interpolated between voxels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Interpolation {
-    /// In the shader, in single precision: agrees with the CPU backend.
-    Exact,
-    /// By the texture unit, whose positions have some 8 bits between voxels: fast. Falls back to
-    /// [`Interpolation::Exact`] where voxels are absent or the format cannot be filtered.
-    #[default]
-    Hardware,
-}
-
-impl fmt::Display for Interpolation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Exact => "exact",
-            Self::Hardware => "hardware",
-        })
-    }
-}
-
-/// How the work of a frame is handed to the device.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Passes {
-    /// Every ray from its entry to its end at once (7.2), in bands of the picture that take a few
-    /// hundredths of a second.
-    #[default]
-    Single,
-    /// All rays for a while, then those that are not done (7.4): the picture is the same to the bit, no
-    /// submission is long whatever rays meet, and rays that have ended cost nothing. Volumes in bricks
-    /// are drawn brick by brick instead.
-    Wavefront,
-}
-
-/// How frames are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Drawing {
-    pub interpolation: Interpolation,
-    pub passes: Passes,
-}
 
 /// The GPU backend. Keep one for several frames: the volume stays on the device, and so do pipelines.
 pub struct GpuRenderer {
     device: Device,
     drawing: Drawing,
     pipelines: Pipelines,
-    draw_pipelines: DrawPipelines,
     cache: PlanCache,
     uploads: Option<Uploads>,
     resident: Option<Resident>,
     light: Option<LightVolumes>,
-    reused: Reused,
+    rays: KeptRays,
+    slices: KeptSlices,
+    travelling: KeptLight,
+    paths: KeptPaths,
+    targets: Option<Targets>,
+    /// The device's clock, if it has one.
+    timer: Option<Timer>,
     /// Most bytes to use: the device's, or less once it had no more.
     budget: u64,
     /// Drawn into, so that a frame is finished or what it was before.
@@ -96,11 +62,15 @@ impl GpuRenderer {
         Self {
             budget: device.capabilities.memory,
             cache: PlanCache::with_most_blocks(device.capabilities.limits.max_texture_dimension_3d as usize),
-            reused: Reused::new(&device),
+            timer: Timer::new(&device),
             device,
             drawing: Drawing::default(),
             pipelines: Pipelines::default(),
-            draw_pipelines: DrawPipelines::default(),
+            rays: KeptRays::default(),
+            slices: KeptSlices::default(),
+            travelling: KeptLight::default(),
+            paths: KeptPaths::default(),
+            targets: None,
             uploads: None,
             resident: None,
             light: None,
@@ -283,24 +253,22 @@ impl GpuRenderer {
         // The memory of the last volume and its tables is free before that of these is asked for.
         self.resident.take_if(|resident| !resident.holds(&sources, &plan, &bricks));
         self.uploads.take_if(|uploads| !uploads.are_of(&tables, &optics));
-        self.reused.sky.take_if(|uploaded| !uploaded.is_of(sky.as_ref()));
+        self.paths.forget_others(sky.as_ref());
         let uploads = self.uploads.get_or_insert_with(|| Uploads::new(&self.device, &tables, &optics));
         let resident = self.resident.get_or_insert_with(|| Resident::new(&self.device, sources, plan.clone(), bricks));
         resident.plan = plan;
         let frame = &mut self.next;
         frame.clear(stage.viewpoint.width, stage.viewpoint.height);
         let (device, optics) = (&self.device, (&optics, &*uploads));
+        let target = (&mut self.targets, self.timer.as_ref());
         let drawing = match &stage.technique {
             Technique::PathTrace(settings) => {
                 let majorants = self.cache.majorants(stage, 0, &tables, settings.majorants)?;
                 let (what, optics) = ((stage, volume, settings), (optics.0, optics.1, &*majorants));
-                if let Some(Sky::Image { map, .. }) = &sky {
-                    self.reused.sky.get_or_insert_with(|| UploadedSky::new(device, map));
-                }
-                let sky = (sky.as_ref(), self.reused.sky.as_ref());
+                let sky = (sky.as_ref(), &mut self.paths);
                 let tracer = PathTracer::new(device, &mut self.pipelines, resident, what, optics, sky, self.drawing);
                 let (mut tracer, drawing) = (tracer?, Instant::now());
-                tracer.draw(&mut self.reused, control, frame)?;
+                tracer.draw(&mut self.paths, target.0, control, frame)?;
                 if settings.denoise {
                     denoise(frame, settings.samples, control).map_err(|_| GpuError::Cancelled)?;
                 }
@@ -313,22 +281,22 @@ impl GpuRenderer {
                 let how = (self.drawing, light);
                 let caster = RayCaster::new(device, pipelines, resident, (stage, volume), optics, how);
                 let (mut caster, drawing) = (caster?, Instant::now());
-                caster.draw(&mut self.reused, control, frame)?;
+                caster.draw(&mut self.rays, target, control, frame)?;
                 drawing
             }
             Technique::HalfAngle(settings) => {
                 let what = (stage, volume, settings);
                 let slicer = HalfAngleSlicer::new(device, &mut self.pipelines, resident, what, optics, self.drawing);
                 let (mut slicer, drawing) = (slicer?, Instant::now());
-                slicer.draw(&mut self.reused, control, frame)?;
+                slicer.draw(&mut self.travelling, target, control, frame)?;
                 drawing
             }
             Technique::Slicing(slicing) => {
-                let pipelines = (&mut self.pipelines, &mut self.draw_pipelines);
+                let pipelines = (&mut self.pipelines, &mut self.slices.pipelines);
                 let what = (stage, volume, slicing);
                 let slicer = Slicer::new(device, pipelines, resident, what, optics, self.drawing);
                 let (mut slicer, drawing) = (slicer?, Instant::now());
-                slicer.draw(&mut self.reused, control, frame)?;
+                slicer.draw(&mut self.slices, target, control, frame)?;
                 drawing
             }
         };

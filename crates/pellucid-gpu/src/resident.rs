@@ -3,46 +3,14 @@
 use std::sync::Arc;
 
 use pellucid_field::Volume;
-use pellucid_plan::Tables;
-use pellucid_scene::{Control, Stage, StageVolume};
+use pellucid_scene::Control;
 use wgpu::{SubmissionIndex, Texture, TextureView, TextureViewDescriptor, TextureViewDimension};
 
 use crate::bricks::Brick;
 use crate::plan::MemoryPlan;
 use crate::staging::Staging;
-use crate::texture::{self, Encoding, Layout, Part};
+use crate::texture::{self, Encoding, Layout, Part, Source};
 use crate::{Device, GpuError};
-
-/// A component of a volume, and how it is held.
-pub struct Source {
-    volume: Arc<Volume>,
-    component: usize,
-    /// How its voxels are held.
-    pub encoding: Encoding,
-}
-
-impl Source {
-    /// What a stage reads: the field and, where that is coefficients, the voxels that are classified.
-    pub fn of(device: &Device, volume: &StageVolume, tables: &Tables, stage: &Stage) -> Vec<Self> {
-        let both = stage.classifies_voxels() && !Arc::ptr_eq(&tables.field, &volume.volume);
-        let voxels = both.then_some((&volume.volume, volume.component));
-        let source = |(volume, component): (&Arc<Volume>, usize)| Self {
-            encoding: Encoding::of(volume, &device.capabilities),
-            volume: volume.clone(),
-            component,
-        };
-        std::iter::once((&tables.field, tables.component)).chain(voxels).map(source).collect()
-    }
-
-    fn is(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.volume, &other.volume) && self.component == other.component
-    }
-
-    /// What a shader reads, times the first and plus the second, is the data value.
-    pub fn data(&self) -> [f64; 2] {
-        self.encoding.data(&self.volume)
-    }
-}
 
 /// A volume's voxels, cut so that they fit.
 pub struct Resident {

@@ -1,7 +1,11 @@
 //! Volumes as 3D textures: which format holds which voxels, and how they get there.
 
+use std::sync::Arc;
+
 use half::f16;
 use pellucid_field::{Volume, Voxel, Voxels, for_voxels};
+use pellucid_plan::Tables;
+use pellucid_scene::{Stage, StageVolume};
 use wgpu::util::{DeviceExt, TextureDataOrder};
 use wgpu::{Extent3d, Features, Texture, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages};
 
@@ -84,6 +88,40 @@ impl Encoding {
     pub fn data(&self, volume: &Volume) -> [f64; 2] {
         let map = volume.value_map();
         [self.stored[0] * map.scale, map.value(self.stored[1])]
+    }
+}
+
+/// A component of a volume, and how it is held.
+pub struct Source {
+    /// The volume.
+    pub volume: Arc<Volume>,
+    /// Which of its components.
+    pub component: usize,
+    /// How its voxels are held.
+    pub encoding: Encoding,
+}
+
+impl Source {
+    /// What a stage reads: the field and, where that is coefficients, the voxels that are classified.
+    pub fn of(device: &Device, volume: &StageVolume, tables: &Tables, stage: &Stage) -> Vec<Self> {
+        let both = stage.classifies_voxels() && !Arc::ptr_eq(&tables.field, &volume.volume);
+        let voxels = both.then_some((&volume.volume, volume.component));
+        let source = |(volume, component): (&Arc<Volume>, usize)| Self {
+            encoding: Encoding::of(volume, &device.capabilities),
+            volume: volume.clone(),
+            component,
+        };
+        std::iter::once((&tables.field, tables.component)).chain(voxels).map(source).collect()
+    }
+
+    /// Whether it is the same component of the same volume.
+    pub fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.volume, &other.volume) && self.component == other.component
+    }
+
+    /// What a shader reads, times the first and plus the second, is the data value.
+    pub fn data(&self) -> [f64; 2] {
+        self.encoding.data(&self.volume)
     }
 }
 

@@ -19,13 +19,12 @@ use wgpu::{
 
 use crate::bindings::Bindings;
 use crate::dispatch::dispatch;
+use crate::drawing::{Drawing, Interpolation};
 use crate::optics::Optics;
 use crate::pace::Pace;
 use crate::passes::PassBuffer;
 use crate::pipelines::{Pipeline, Pipelines};
-use crate::renderer::{Drawing, Interpolation};
 use crate::resident::Resident;
-use crate::reused::Reused;
 use crate::shaders::{Pass, Variant};
 use crate::targets::Targets;
 use crate::timer::Timer;
@@ -43,6 +42,15 @@ pub use numbers::Sweep;
 const MOST_RUN: u32 = 32;
 const MOST_RUN_OF_KERNELS: u32 = 8;
 const MOST_TEXELS: usize = 1 << 24;
+
+/// What is kept from frame to frame.
+#[derive(Default)]
+pub struct KeptLight {
+    /// Runs of slabs in a submission.
+    pace: Pace,
+    /// Light on its way through slabs.
+    layers: Option<Layers>,
+}
 
 /// Everything on the device that one frame is drawn with.
 pub struct HalfAngleSlicer<'a> {
@@ -216,24 +224,29 @@ impl<'a> HalfAngleSlicer<'a> {
     ///
     /// # Errors
     /// [`GpuError::Cancelled`], or what the device reports.
-    pub fn draw(&mut self, reused: &mut Reused, control: &Control, picture: &mut Picture) -> Result<(), GpuError> {
+    pub fn draw(
+        &mut self,
+        kept: &mut KeptLight,
+        (slot, timer): (&mut Option<Targets>, Option<&Timer>),
+        control: &Control,
+        picture: &mut Picture,
+    ) -> Result<(), GpuError> {
         let Window { low: [column, first], size: [width, height] } = self.bindings.window;
         let subs = self.stage.quality.supersampling.pow(2);
-        let timer = reused.timer.as_ref();
         let mut busy = timer.map(|_| 0.0);
         let most = self.lights.iter().map(Travelling::layers).max().unwrap_or(1);
-        let layers = Layers::kept(&mut reused.light, self.device, self.size, most);
+        let layers = Layers::kept(&mut kept.layers, self.device, self.size, most);
         let (mut row, end) = (first, if width == 0 { first } else { first + height });
         while row < end {
             let rows = self.resident.plan.rows.min(end - row);
             let targets = {
                 let shape = (picture.width, self.stage.holds_back_each_color());
-                Targets::kept(&mut reused.targets, self.device, shape, [width, rows])
+                Targets::kept(slot, self.device, shape, [width, rows])
             };
             for sub in 0..subs {
                 for light in 0..self.lights.len() {
                     let place = [row, rows, sub];
-                    let seconds = self.sweep(targets, layers, timer, &mut reused.slices, (light, place), control)?;
+                    let seconds = self.sweep(targets, layers, timer, &mut kept.pace, (light, place), control)?;
                     busy = busy.zip(seconds).map(|(busy, seconds)| busy + seconds);
                     let done = (sub as usize * self.lights.len() + light + 1) as f64;
                     let all = f64::from(subs) * self.lights.len() as f64;

@@ -16,13 +16,12 @@ use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, CommandEncoderDes
 
 use crate::bindings::Bindings;
 use crate::dispatch::dispatch;
+use crate::drawing::Drawing;
 use crate::optics::Optics;
 use crate::pace::Pace;
 use crate::passes::PassBuffer;
 use crate::pipelines::{Pipeline, Pipelines};
-use crate::renderer::Drawing;
 use crate::resident::Resident;
-use crate::reused::Reused;
 use crate::shaders::{Pass, Variant};
 use crate::targets::Targets;
 use crate::uniforms;
@@ -32,10 +31,28 @@ use crate::{Device, GpuError};
 
 pub use extents::Extent;
 pub use numbers::Paths;
-pub use sky::{UploadedSky, bytes};
+pub use sky::bytes;
+
+use sky::UploadedSky;
 
 /// Most paths of a pixel in a submission.
 const MOST_PATHS: u32 = 256;
+
+/// What is kept from frame to frame.
+#[derive(Default)]
+pub struct KeptPaths {
+    /// Paths of a pixel in a submission.
+    pace: Pace,
+    /// A picture of the sky.
+    sky: Option<UploadedSky>,
+}
+
+impl KeptPaths {
+    /// Keeps a picture of the sky only if it is of this one.
+    pub fn forget_others(&mut self, sky: Option<&Sky>) {
+        self.sky.take_if(|uploaded| !uploaded.is_of(sky));
+    }
+}
 
 /// Everything on the device that one frame is drawn with.
 pub struct PathTracer<'a> {
@@ -62,7 +79,7 @@ impl<'a> PathTracer<'a> {
         resident: &'a mut Resident,
         (stage, volume, settings): (&Stage, &StageVolume, &'a PathTrace),
         (optics, uploads, majorants): (&Optics, &'a Uploads, &MajorantGrid),
-        (sky, uploaded): (Option<&Sky>, Option<&UploadedSky>),
+        (sky, kept): (Option<&Sky>, &mut KeptPaths),
         drawing: Drawing,
     ) -> Result<Self, GpuError> {
         let alter = |frame: &mut uniforms::Frame| {
@@ -86,11 +103,15 @@ impl<'a> PathTracer<'a> {
         };
         let blocks: Vec<[f32; 2]> = majorants.bounds.iter().enumerate().map(number).collect();
         let extents: Vec<Extent> = stage.lights.iter().map(|light| Extent::new(light, &volume.scattering)).collect();
+        if let Some(Sky::Image { map, .. }) = sky {
+            kept.sky.get_or_insert_with(|| UploadedSky::new(device, map));
+        }
+        let sky = kept.sky.as_ref().map(|sky| sky.texels.clone());
         Ok(Self {
             numbers: device.constant_buffer("paths", bytes_of(&numbers)),
             majorants: storage(device, "majorants", &blocks),
             extents: storage(device, "extents", &extents),
-            sky: uploaded.map_or_else(|| storage::<f32>(device, "sky", &[]), |sky| sky.texels.clone()),
+            sky: sky.unwrap_or_else(|| storage::<f32>(device, "sky", &[])),
             device,
             resident,
             bindings,
@@ -104,7 +125,13 @@ impl<'a> PathTracer<'a> {
     ///
     /// # Errors
     /// [`GpuError::Cancelled`], or what the device reports.
-    pub fn draw(&mut self, reused: &mut Reused, control: &Control, picture: &mut Picture) -> Result<(), GpuError> {
+    pub fn draw(
+        &mut self,
+        kept: &mut KeptPaths,
+        slot: &mut Option<Targets>,
+        control: &Control,
+        picture: &mut Picture,
+    ) -> Result<(), GpuError> {
         let Window { low: [column, first], size: [width, height] } = self.bindings.window;
         let (mut row, end) = (first, if width == 0 { first } else { first + height });
         let mut paths = 0;
@@ -112,12 +139,12 @@ impl<'a> PathTracer<'a> {
             let rows = self.resident.plan.rows.min(end - row);
             let targets = {
                 let shape = (picture.width, self.pixels.variant.chromatic);
-                Targets::kept(&mut reused.targets, self.device, shape, [width, rows])
+                Targets::kept(slot, self.device, shape, [width, rows])
             };
             let report = |done: f64| {
                 control.report((f64::from(row - first) + f64::from(rows) * done) / f64::from(height));
             };
-            self.draw_band(targets, &mut reused.looks, [row, rows], control, &report)?;
+            self.draw_band(targets, &mut kept.pace, [row, rows], control, &report)?;
             targets.read_pixels(self.device, [column, row], rows, picture, |pixel, place, picture| {
                 let [noise, x, y, _] = pixel.surface;
                 let [_, _, met, count] = pixel.counts;

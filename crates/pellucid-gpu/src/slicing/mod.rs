@@ -24,14 +24,13 @@ use wgpu::{
 use crate::bindings::Bindings;
 use crate::bricks::{self, Brick};
 use crate::dispatch::dispatch;
+use crate::drawing::Drawing;
 use crate::optics::Optics;
 use crate::pace::Pace;
 use crate::passes::PassBuffer;
 use crate::pipelines::{Pipeline, Pipelines};
 use crate::plan::Demands;
-use crate::renderer::Drawing;
 use crate::resident::Resident;
-use crate::reused::Reused;
 use crate::shaders::{Pass, Traversal, Variant};
 use crate::targets::Targets;
 use crate::texture::Layout;
@@ -44,12 +43,11 @@ use crate::{Device, GpuError};
 use blending::{Blending, cleared};
 use geometry::{Geometry, MOST_STRIDE};
 use lattice::Lattice;
-use pipelines::DrawPipeline;
+use pipelines::{DrawPipeline, DrawPipelines};
+use targets::Canvas;
 
 #[cfg(test)]
 pub use boxes::SliceBox;
-pub use pipelines::DrawPipelines;
-pub use targets::Canvas;
 
 /// Most looks at what is done in a frame: each waits for the slices before it.
 const MOST_LOOKS: u32 = 64;
@@ -62,6 +60,17 @@ pub fn demands(stage: &Stage, volume: &StageVolume, optics: &Optics, slicing: &S
     let layout = lattice.axis.filter(|_| !filtered).map_or(Layout::Solid, Layout::Stack);
     let border = bricks::border(stage, grid, lattice.longest.min(MOST_STRIDE));
     Demands { layout, border, pixel_bytes: Canvas::PIXEL_BYTES, frame_bytes: 0 }
+}
+
+/// What is kept from frame to frame.
+#[derive(Default)]
+pub struct KeptSlices {
+    /// Pipelines that draw.
+    pub pipelines: DrawPipelines,
+    /// Slices in a submission.
+    pace: Pace,
+    /// What they are blended in.
+    canvas: Option<Canvas>,
 }
 
 /// Everything on the device that one frame is drawn with.
@@ -169,22 +178,28 @@ impl<'a> Slicer<'a> {
     ///
     /// # Errors
     /// [`GpuError::Cancelled`], or what the device reports.
-    pub fn draw(&mut self, reused: &mut Reused, control: &Control, picture: &mut Picture) -> Result<(), GpuError> {
+    pub fn draw(
+        &mut self,
+        kept: &mut KeptSlices,
+        (slot, timer): (&mut Option<Targets>, Option<&Timer>),
+        control: &Control,
+        picture: &mut Picture,
+    ) -> Result<(), GpuError> {
         let Window { low: [column, first], size: [width, height] } = self.bindings.window;
         let rays = self.stage.quality.supersampling.pow(2);
-        let timer = reused.timer.as_ref().filter(|_| self.resident.is_complete());
+        let timer = timer.filter(|_| self.resident.is_complete());
         let mut busy = timer.map(|_| 0.0);
         let (mut row, end) = (first, if width == 0 { first } else { first + height });
         while row < end {
             let rows = self.resident.plan.rows.min(end - row);
             let size = [width, rows];
             // The old ones go first.
-            reused.canvas.take_if(|canvas| !canvas.fits(size, &self.blending));
-            let targets = Targets::kept(&mut reused.targets, self.device, (picture.width, false), size);
-            let canvas = reused.canvas.get_or_insert_with(|| Canvas::new(self.device, size, &self.blending));
+            kept.canvas.take_if(|canvas| !canvas.fits(size, &self.blending));
+            let targets = Targets::kept(slot, self.device, (picture.width, false), size);
+            let canvas = kept.canvas.get_or_insert_with(|| Canvas::new(self.device, size, &self.blending));
             for sub in 0..rays {
                 let layer = self.layer(canvas, [row, rows, sub]);
-                let seconds = self.draw_layer(canvas, &layer, timer, &mut reused.slices, control)?;
+                let seconds = self.draw_layer(canvas, &layer, timer, &mut kept.pace, control)?;
                 busy = busy.zip(seconds).map(|(busy, seconds)| busy + seconds);
                 let mut encoder = self.encoder();
                 self.add_to_pixels(&mut encoder, canvas, targets, &layer);

@@ -1,5 +1,8 @@
 //! The ray caster: passes over bands of the picture (7.2).
 
+mod bands;
+mod wavefront;
+
 use std::time::Instant;
 
 use pellucid_scene::{Control, Frame as Picture, Stage, StageVolume};
@@ -8,22 +11,23 @@ use wgpu::{BindGroup, CommandEncoder, CommandEncoderDescriptor, TextureView};
 use crate::bindings::Bindings;
 use crate::bricks::{self, Brick};
 use crate::dispatch::dispatch;
+use crate::drawing::{Drawing, Passes};
 use crate::light_volume::LightVolumes;
 use crate::optics::Optics;
 use crate::pace::Pace;
 use crate::passes::PassBuffer;
 use crate::pipelines::{Pipeline, Pipelines};
-use crate::renderer::{Drawing, Passes};
 use crate::resident::Resident;
-use crate::reused::{Bands, Reused};
 use crate::shaders::{Pass, Variant};
 use crate::targets::Targets;
 use crate::timer::Timer;
 use crate::uniforms;
 use crate::uploads::Uploads;
-use crate::wavefront::Front;
 use crate::window::Window;
 use crate::{Device, GpuError};
+
+use bands::Bands;
+use wavefront::Front;
 
 /// Most passes of a submission.
 const MOST_PASSES: usize = 256;
@@ -33,6 +37,14 @@ const MOST_PASSES: usize = 256;
 struct Band {
     row: u32,
     rows: u32,
+}
+
+/// What was learnt of the device's speed, kept from frame to frame.
+#[derive(Default)]
+pub struct KeptRays {
+    bands: Bands,
+    /// Looks at the blocks in a pass of a wavefront.
+    looks: Pace,
 }
 
 /// Everything on the device that one frame is drawn with.
@@ -63,7 +75,7 @@ impl<'a> RayCaster<'a> {
         let alter = |frame: &mut uniforms::Frame| frame.set_light_points(light.map_or(0, |light| light.depth));
         let mut bindings =
             Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter)
-                .with_light(light);
+                .with_light(light.map(|light| light.points.clone()));
         bindings.variant = Variant {
             skip: optics.blocks.is_some(),
             // The many rounds of wide kernels are for several passes.
@@ -86,11 +98,16 @@ impl<'a> RayCaster<'a> {
     ///
     /// # Errors
     /// [`GpuError::Cancelled`], or what the device reports.
-    pub fn draw(&mut self, reused: &mut Reused, control: &Control, picture: &mut Picture) -> Result<(), GpuError> {
+    pub fn draw(
+        &mut self,
+        kept: &mut KeptRays,
+        (slot, timer): (&mut Option<Targets>, Option<&Timer>),
+        control: &Control,
+        picture: &mut Picture,
+    ) -> Result<(), GpuError> {
         let Window { low: [column, first], size: [width, height] } = self.bindings.window;
         let rays = u64::from(width) * u64::from(self.stage.quality.supersampling.pow(2));
         let wavefront = self.march.variant.wavefront;
-        let timer = reused.timer.as_ref();
         let mut busy = timer.map(|_| 0.0);
         let (mut row, end) = (first, if width == 0 { first } else { first + height });
         while row < end {
@@ -98,24 +115,24 @@ impl<'a> RayCaster<'a> {
             // The passes of bricks are many anyway: as many rows of each as there can be; a wavefront is as
             // wide as there is room.
             let learnt = self.resident.is_whole() && !wavefront;
-            let wanted = if learnt { (reused.bands.rays() / rays) as u32 } else { most };
+            let wanted = if learnt { (kept.bands.rays() / rays) as u32 } else { most };
             let rows = wanted.max(8).next_multiple_of(8).min(most);
             let targets = {
                 let shape = (picture.width, self.resolve.variant.chromatic);
-                Targets::kept(&mut reused.targets, self.device, shape, [width, rows])
+                Targets::kept(slot, self.device, shape, [width, rows])
             };
             let band = Band { row, rows };
             let seconds = if wavefront {
-                self.draw_wavefront(targets, timer, &mut reused.looks, band, control)?
+                self.draw_wavefront(targets, timer, &mut kept.looks, band, control)?
             } else {
-                self.draw_band(targets, timer, band, &mut reused.bands, control)?
+                self.draw_band(targets, timer, band, &mut kept.bands, control)?
             };
             busy = sum(busy, seconds);
             targets.read(self.device, [column, row], rows, picture)?;
             row += rows;
             control.report(f64::from(row - first) / f64::from(height));
         }
-        reused.bands.end_frame();
+        kept.bands.end_frame();
         picture.statistics.device_seconds = busy;
         Ok(())
     }
