@@ -197,17 +197,17 @@ impl Sweeper<'_> {
         let count = run + 1;
         let mut slot = None;
         let layers = Layers::kept(&mut slot, self.device, size, count);
-        let pass = |slab| uniforms::Pass {
+        let pass = |slab| uniforms::Bounds {
             rows: [slab, 0, 0, 0],
             core_high: [size[0], size[1], 0, 0],
-            ..uniforms::Pass::default()
+            ..uniforms::Bounds::default()
         };
         let [nx, ny, nz] = self.dims;
-        let filled = |run: u32| uniforms::Pass {
+        let filled = |run: u32| uniforms::Bounds {
             rows: [number as u32 * nz, 0, 0, 0],
             core_low: [run * RUN, slabs.min((run + 1) * RUN), count, run * RUN % count],
             core_high: [nx, ny, nz, 0],
-            ..uniforms::Pass::default()
+            ..uniforms::Bounds::default()
         };
         let passes = PassBuffer::new(self.device, (0..slabs).map(pass).chain((0..runs).map(filled)));
         let numbers = (17, numbers.as_entire_binding());

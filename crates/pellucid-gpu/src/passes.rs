@@ -6,7 +6,7 @@ use bytemuck::bytes_of;
 use wgpu::{BindingResource, Buffer, BufferBinding};
 
 use crate::Device;
-use crate::uniforms::Pass;
+use crate::uniforms::Bounds;
 
 /// Passes that are chosen one at a time, by an offset.
 pub struct PassBuffer {
@@ -16,10 +16,10 @@ pub struct PassBuffer {
 
 impl PassBuffer {
     /// A buffer of passes, at least one.
-    pub fn new(device: &Device, passes: impl IntoIterator<Item = Pass>) -> Self {
+    pub fn new(device: &Device, passes: impl IntoIterator<Item = Bounds>) -> Self {
         let limits = &device.capabilities.limits;
         let align = limits.min_uniform_buffer_offset_alignment.max(limits.min_storage_buffer_offset_alignment) as usize;
-        let stride = size_of::<Pass>().next_multiple_of(align);
+        let stride = size_of::<Bounds>().next_multiple_of(align);
         let mut contents = Vec::new();
         for pass in passes {
             contents.extend_from_slice(bytes_of(&pass));
@@ -35,7 +35,7 @@ impl PassBuffer {
 
     /// One pass, bound; which one is told by its offset.
     pub fn binding(&self) -> BindingResource<'_> {
-        let size = NonZeroU64::new(size_of::<Pass>() as u64);
+        let size = NonZeroU64::new(size_of::<Bounds>() as u64);
         BindingResource::Buffer(BufferBinding { buffer: &self.buffer, offset: 0, size })
     }
 }

@@ -130,7 +130,7 @@ fn flat(filterable: bool, view_dimension: TextureViewDimension) -> BindingType {
 fn frame_layout(device: &Device, variant: &Variant) -> BindGroupLayout {
     let read = buffer(BufferBindingType::Storage { read_only: true }, None);
     let write = buffer(BufferBindingType::Storage { read_only: false }, None);
-    let pass = size_of::<uniforms::Pass>() as u64;
+    let pass = size_of::<uniforms::Bounds>() as u64;
     let uniform = constants(device, None);
     let picture = flat(false, TextureViewDimension::D2);
     let stored = |format| BindingType::StorageTexture {

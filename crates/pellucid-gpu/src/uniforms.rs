@@ -51,7 +51,7 @@ pub struct Frame {
 /// What one pass draws.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Pass {
+pub struct Bounds {
     /// First row, rows, number of the ray within its pixel, most looks at the blocks.
     pub rows: [u32; 4],
     /// First voxel of the volume's texture; 1 if rays start here.
@@ -322,7 +322,7 @@ mod tests {
             world_middle world_right world_up low high gradient_x gradient_y gradient_z world_x world_y world_z
             picture values material limits plane plane_normal shadows chroma table size dims blocks counts noise);
         assert_eq!(layout(&shaded, "Frame"), frame);
-        assert_eq!(layout(&shaded, "Pass"), fields!(Pass: rows texture_low core_low core_high));
+        assert_eq!(layout(&shaded, "Bounds"), fields!(Bounds: rows texture_low core_low core_high));
         assert_eq!(layout(&shaded, "Light"), fields!(Light: place radiance axis cone));
         assert_eq!(layout(&shaded, "Level"), fields!(Level: color value));
         let sliced = linked(Variant { traversal: Traversal::Slices, ..Variant::of(shaders::Pass::Composite) });

@@ -280,7 +280,7 @@ impl<'a> HalfAngleSlicer<'a> {
                 .clone()
                 .map(|slab| self.light_pass(light, slab))
                 .chain((0..runs).map(|run| eye_pass(light, run, [row, rows, sub], number == 0)))
-                .chain([uniforms::Pass { rows: [row, rows, sub, 0], ..uniforms::Pass::default() }]),
+                .chain([uniforms::Bounds { rows: [row, rows, sub, 0], ..uniforms::Bounds::default() }]),
         );
         let brick = self.resident.bricks[0];
         let textures = self.resident.textures(self.device, &brick, control)?;
@@ -355,13 +355,13 @@ impl<'a> HalfAngleSlicer<'a> {
     }
 
     /// Light passes a slab: from its layer in the run to the next.
-    fn light_pass(&self, light: &Travelling, slab: u32) -> uniforms::Pass {
+    fn light_pass(&self, light: &Travelling, slab: u32) -> uniforms::Bounds {
         let [from, to] = light.areas.of(slab);
         let [x, y] = match taps::offsets(self.settings, slab as usize).first() {
             Some(tap) => tap.map(f32::to_bits),
             None => [0; 2],
         };
-        uniforms::Pass {
+        uniforms::Bounds {
             rows: [slab, 0, 0, 0],
             texture_low: [x, y, 0, 0],
             core_low: [from[0], from[1], 0, 0],
@@ -379,7 +379,7 @@ impl<'a> HalfAngleSlicer<'a> {
 
     /// Adds rays to their pixels.
     fn resolve(&self, targets: &Targets, [row, rows, sub]: [u32; 3], is_last: bool) {
-        let pass = uniforms::Pass { rows: [row, rows, sub, 0], ..uniforms::Pass::default() };
+        let pass = uniforms::Bounds { rows: [row, rows, sub, 0], ..uniforms::Bounds::default() };
         let passes = PassBuffer::new(self.device, [pass]);
         let own = [(5, targets.states.as_entire_binding()), (7, targets.pixels.as_entire_binding())];
         let group = self.bindings.frame_group(&self.resolve.groups[0], &passes, &own);
@@ -394,13 +394,13 @@ impl<'a> HalfAngleSlicer<'a> {
 }
 
 /// The eye looks at a run.
-fn eye_pass(light: &Travelling, run: u32, [row, rows, sub]: [u32; 3], is_first: bool) -> uniforms::Pass {
+fn eye_pass(light: &Travelling, run: u32, [row, rows, sub]: [u32; 3], is_first: bool) -> uniforms::Bounds {
     let Range { start, end } = light.slabs_of(run);
-    uniforms::Pass {
+    uniforms::Bounds {
         rows: [row, rows, sub, 0],
         // Whether a sweep begins, and whether it is the first.
         texture_low: [0, 0, u32::from(run == 0), u32::from(is_first && run == 0)],
         core_low: [start, end, light.layers(), start % light.layers()],
-        ..uniforms::Pass::default()
+        ..uniforms::Bounds::default()
     }
 }

@@ -182,10 +182,10 @@ impl<'a> PathTracer<'a> {
             }
             let some = path..path + pace.amount(MOST_PATHS.min(self.settings.samples - path));
             path = some.end;
-            let pass = |path| uniforms::Pass {
+            let pass = |path| uniforms::Bounds {
                 rows: [row, rows, path, 0],
                 texture_low: [0, 0, 0, u32::from(path == 0)],
-                ..uniforms::Pass::default()
+                ..uniforms::Bounds::default()
             };
             let passes = PassBuffer::new(self.device, some.clone().map(pass));
             let [frame, table] = self.groups(&self.trace, &passes, &sees);
@@ -200,7 +200,7 @@ impl<'a> PathTracer<'a> {
             pace.learn(started.elapsed());
             report(f64::from(path) / f64::from(self.settings.samples));
         }
-        let passes = PassBuffer::new(self.device, [uniforms::Pass { rows: [row, rows, 0, 0], ..Default::default() }]);
+        let passes = PassBuffer::new(self.device, [uniforms::Bounds { rows: [row, rows, 0, 0], ..Default::default() }]);
         let pixels = (7, targets.pixels.as_entire_binding());
         let numbers = (19, self.numbers.as_entire_binding());
         let [frame, table] = self.groups(&self.pixels, &passes, &[states, pixels, numbers]);

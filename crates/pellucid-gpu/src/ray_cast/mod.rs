@@ -211,11 +211,11 @@ impl<'a> RayCaster<'a> {
     }
 
     /// What a turn draws: a brick for one of the rays of the pixels.
-    fn pass(&self, turn: usize, Band { row, rows }: Band) -> uniforms::Pass {
+    fn pass(&self, turn: usize, Band { row, rows }: Band) -> uniforms::Bounds {
         let (sub, number) = (turn / self.bricks.len(), turn % self.bricks.len());
         let brick = &self.bricks[number];
         let four = |[x, y, z]: [usize; 3], w| [x as u32, y as u32, z as u32, w];
-        uniforms::Pass {
+        uniforms::Bounds {
             rows: [row, rows, sub as u32, self.bindings.most_looks],
             texture_low: four(brick.voxels.low, u32::from(number == 0)),
             core_low: four(brick.core.low, 0),
@@ -249,7 +249,7 @@ impl<'a> RayCaster<'a> {
                 if control.is_cancelled() {
                     return Err(GpuError::Cancelled);
                 }
-                let pass = uniforms::Pass {
+                let pass = uniforms::Bounds {
                     rows: [row, rows, sub, pace.amount(self.bindings.most_looks)],
                     texture_low: [0, 0, 0, u32::from(left.is_none())],
                     core_low: [0, 0, 0, list],
@@ -272,7 +272,7 @@ impl<'a> RayCaster<'a> {
                 busy = sum(busy, timer.and_then(|timer| timer.seconds(1)));
                 list = 1 - list;
             }
-            let pass = uniforms::Pass { rows: [row, rows, sub, 0], ..uniforms::Pass::default() };
+            let pass = uniforms::Bounds { rows: [row, rows, sub, 0], ..uniforms::Bounds::default() };
             let passes = PassBuffer::new(self.device, [pass]);
             let group = self.frame_group(&self.resolve, targets, &passes, None);
             let mut encoder = self.encoder();

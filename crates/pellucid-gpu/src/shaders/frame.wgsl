@@ -58,7 +58,7 @@ struct Frame {
 }
 
 // What one pass draws.
-struct Pass {
+struct Bounds {
     // First row, rows, number of the ray within its pixel, most looks at the blocks.
     rows: vec4<u32>,
     // First voxel of the volume's texture; 1 if rays start here.
@@ -70,16 +70,16 @@ struct Pass {
 
 #ifdef LOADED_CONSTANTS
 @group(0) @binding(0) var<storage, read> stored_frame: Frame;
-@group(0) @binding(1) var<storage, read> stored_bounds: Pass;
+@group(0) @binding(1) var<storage, read> stored_bounds: Bounds;
 var<private> frame: Frame;
-var<private> bounds: Pass;
+var<private> bounds: Bounds;
 #else
 #ifdef STORED_CONSTANTS
 @group(0) @binding(0) var<storage, read> frame: Frame;
-@group(0) @binding(1) var<storage, read> bounds: Pass;
+@group(0) @binding(1) var<storage, read> bounds: Bounds;
 #else
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<uniform> bounds: Pass;
+@group(0) @binding(1) var<uniform> bounds: Bounds;
 #endif
 #endif
 

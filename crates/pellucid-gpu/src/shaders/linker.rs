@@ -6,7 +6,7 @@ use std::collections::hash_map::Entry;
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
 use wgpu::naga;
 
-use super::pass::{SHARED, Source};
+use super::pass::{SHARED, Wgsl};
 use super::{Constants, Variant};
 use crate::GpuError;
 
@@ -25,7 +25,7 @@ impl Linker {
     /// [`GpuError::Shader`] with the compiler's message; a test links every variant.
     pub fn link(&mut self, variant: &Variant, constants: Constants) -> Result<naga::Module, GpuError> {
         let failed = |message: String| GpuError::Shader { variant: format!("{variant:?}"), message };
-        let (entry, mode) = variant.pass.sources(variant.traversal);
+        let (entry, mode) = variant.pass.files(variant.traversal);
         let composer = match self.composers.entry(mode.as_ref().map(|mode| mode.name)) {
             Entry::Occupied(found) => found.into_mut(),
             Entry::Vacant(place) => place.insert(composer(SHARED.iter().chain(&mode)).map_err(failed)?),
@@ -49,10 +49,10 @@ impl Linker {
 }
 
 /// Files that others import.
-fn composer<'s>(sources: impl Iterator<Item = &'s Source>) -> Result<Composer, String> {
+fn composer<'f>(files: impl Iterator<Item = &'f Wgsl>) -> Result<Composer, String> {
     let mut composer = Composer::default();
-    for source in sources {
-        let module = ComposableModuleDescriptor { source: source.text, file_path: source.name, ..Default::default() };
+    for file in files {
+        let module = ComposableModuleDescriptor { source: file.text, file_path: file.name, ..Default::default() };
         let added = composer.add_composable_module(module).map(drop);
         added.map_err(|error| error.emit_to_string(&composer))?;
     }

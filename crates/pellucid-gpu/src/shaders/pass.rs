@@ -1,49 +1,49 @@
 //! The passes, and the files that they are put together of.
 
 /// A file of this folder: its name and its text.
-pub(super) struct Source {
+pub(super) struct Wgsl {
     pub name: &'static str,
     pub text: &'static str,
 }
 
-macro_rules! source {
+macro_rules! wgsl {
     ($name:literal) => {
-        Source { name: $name, text: include_str!(concat!($name, ".wgsl")) }
+        Wgsl { name: $name, text: include_str!(concat!($name, ".wgsl")) }
     };
 }
 
 /// What passes import; each only from those above it.
-pub(super) const SHARED: [Source; 30] = [
-    source!("frame"),
-    source!("ray"),
-    source!("kernel"),
-    source!("noise"),
-    source!("field"),
-    source!("table"),
-    source!("vary"),
-    source!("levels"),
-    source!("pieces"),
-    source!("skip"),
-    source!("shadow"),
-    source!("light_volume"),
-    source!("scatter"),
-    source!("light"),
-    source!("march"),
-    source!("cut"),
-    source!("surface"),
-    source!("projected"),
-    source!("preclassify"),
-    source!("slices"),
-    source!("polygon"),
-    source!("pixel"),
-    source!("sweep"),
-    source!("slab"),
-    source!("eye"),
-    source!("random"),
-    source!("paths"),
-    source!("vertex"),
-    source!("extent"),
-    source!("sky"),
+pub(super) const SHARED: [Wgsl; 30] = [
+    wgsl!("frame"),
+    wgsl!("ray"),
+    wgsl!("kernel"),
+    wgsl!("noise"),
+    wgsl!("field"),
+    wgsl!("table"),
+    wgsl!("vary"),
+    wgsl!("levels"),
+    wgsl!("pieces"),
+    wgsl!("skip"),
+    wgsl!("shadow"),
+    wgsl!("light_volume"),
+    wgsl!("scatter"),
+    wgsl!("light"),
+    wgsl!("march"),
+    wgsl!("cut"),
+    wgsl!("surface"),
+    wgsl!("projected"),
+    wgsl!("preclassify"),
+    wgsl!("slices"),
+    wgsl!("polygon"),
+    wgsl!("pixel"),
+    wgsl!("sweep"),
+    wgsl!("slab"),
+    wgsl!("eye"),
+    wgsl!("random"),
+    wgsl!("paths"),
+    wgsl!("vertex"),
+    wgsl!("extent"),
+    wgsl!("sky"),
 ];
 
 /// What a pass makes of the volume.
@@ -163,33 +163,33 @@ impl Pass {
     }
 
     /// The file with the entry point, and the mode it walks for.
-    pub(super) fn sources(self, traversal: Traversal) -> (Source, Option<Source>) {
+    pub(super) fn files(self, traversal: Traversal) -> (Wgsl, Option<Wgsl>) {
         let slices = traversal == Traversal::Slices;
-        let samples = |mode| (if slices { source!("slice_samples") } else { source!("samples") }, Some(mode));
-        let segments = |mode| (if slices { source!("slice_segments") } else { source!("segments") }, Some(mode));
+        let samples = |mode| (if slices { wgsl!("slice_samples") } else { wgsl!("samples") }, Some(mode));
+        let segments = |mode| (if slices { wgsl!("slice_segments") } else { wgsl!("segments") }, Some(mode));
         match self {
-            _ if traversal == Traversal::SlicePixels => (source!("slice_pixels"), None),
-            Self::Maximum | Self::Minimum | Self::Average if slices => samples(source!("slice_value")),
-            Self::Composite | Self::CompositePre => samples(source!("composite")),
-            Self::Maximum | Self::Minimum => (source!("extreme"), None),
-            Self::Average => samples(source!("average")),
-            Self::Additive => samples(source!("additive")),
-            Self::XRay => samples(source!("xray")),
-            Self::PreIntegrated => segments(source!("preintegrated")),
-            Self::Isosurface => segments(source!("isosurface")),
-            Self::Slice => (source!("slice"), None),
-            Self::Resolve => (source!("resolve"), None),
-            Self::SlicePolygons | Self::SliceGivenPolygons | Self::SliceShells => (source!("slice_proxies"), None),
-            Self::SliceDone => (source!("slice_done"), None),
-            Self::SliceTiles => (source!("slice_tiles"), None),
-            Self::SliceOcclusion => (source!("slice_occlusion"), None),
-            Self::HalfAngleLight => (source!("half_angle_light"), None),
-            Self::HalfAnglePresence => (source!("half_angle_presence"), None),
-            Self::HalfAngleEye => (source!("half_angle_eye"), None),
-            Self::HalfAngleSurface => (source!("half_angle_surface"), None),
-            Self::LightPoints => (source!("light_points"), None),
-            Self::PathTrace => (source!("path_trace"), None),
-            Self::PathTracePixels => (source!("path_trace_pixels"), None),
+            _ if traversal == Traversal::SlicePixels => (wgsl!("slice_pixels"), None),
+            Self::Maximum | Self::Minimum | Self::Average if slices => samples(wgsl!("slice_value")),
+            Self::Composite | Self::CompositePre => samples(wgsl!("composite")),
+            Self::Maximum | Self::Minimum => (wgsl!("extreme"), None),
+            Self::Average => samples(wgsl!("average")),
+            Self::Additive => samples(wgsl!("additive")),
+            Self::XRay => samples(wgsl!("xray")),
+            Self::PreIntegrated => segments(wgsl!("preintegrated")),
+            Self::Isosurface => segments(wgsl!("isosurface")),
+            Self::Slice => (wgsl!("slice"), None),
+            Self::Resolve => (wgsl!("resolve"), None),
+            Self::SlicePolygons | Self::SliceGivenPolygons | Self::SliceShells => (wgsl!("slice_proxies"), None),
+            Self::SliceDone => (wgsl!("slice_done"), None),
+            Self::SliceTiles => (wgsl!("slice_tiles"), None),
+            Self::SliceOcclusion => (wgsl!("slice_occlusion"), None),
+            Self::HalfAngleLight => (wgsl!("half_angle_light"), None),
+            Self::HalfAnglePresence => (wgsl!("half_angle_presence"), None),
+            Self::HalfAngleEye => (wgsl!("half_angle_eye"), None),
+            Self::HalfAngleSurface => (wgsl!("half_angle_surface"), None),
+            Self::LightPoints => (wgsl!("light_points"), None),
+            Self::PathTrace => (wgsl!("path_trace"), None),
+            Self::PathTracePixels => (wgsl!("path_trace_pixels"), None),
         }
     }
 

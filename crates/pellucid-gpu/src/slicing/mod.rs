@@ -222,7 +222,11 @@ impl<'a> Slicer<'a> {
         let Self { bindings, geometry, .. } = self;
         let pass = |(brick, _): &(Brick, Range<u32>)| {
             let [x, y, z] = brick.voxels.low.map(|v| v as u32);
-            uniforms::Pass { rows: [row, rows, sub, u32::MAX], texture_low: [x, y, z, 0], ..uniforms::Pass::default() }
+            uniforms::Bounds {
+                rows: [row, rows, sub, u32::MAX],
+                texture_low: [x, y, z, 0],
+                ..uniforms::Bounds::default()
+            }
         };
         let passes = PassBuffer::new(self.device, geometry.shares.iter().map(pass));
         let what = (self.slicing, bindings.variant.pass, geometry.slices);
