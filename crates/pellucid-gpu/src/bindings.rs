@@ -4,15 +4,15 @@ use bytemuck::{bytes_of, cast_slice};
 use pellucid_field::{Filter, Gradient};
 use pellucid_optics::SurfaceShare;
 use pellucid_scene::{Stage, StageVolume};
-use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindingResource, Buffer, FilterMode, Sampler,
-    SamplerDescriptor, TextureFormat, TextureView,
-};
+use wgpu::{BindGroup, BindingResource, Buffer, FilterMode, Sampler, SamplerDescriptor, TextureFormat, TextureView};
 
+use crate::dispatch::Bound;
 use crate::drawing::Interpolation;
+use crate::groups::{Groups, Named};
 use crate::kernels::Kernels;
 use crate::optics::{Optics, lights};
 use crate::passes::PassBuffer;
+use crate::pipelines::Pipeline;
 use crate::resident::Resident;
 use crate::shaders::Variant;
 use crate::uniforms::{self, Frame, Light};
@@ -120,64 +120,48 @@ impl<'a> Bindings<'a> {
     }
 
     /// What a pipeline is told of the frame and its passes, with buffers and textures of its technique.
-    pub fn frame_group(
-        &self,
-        layout: &BindGroupLayout,
-        passes: &PassBuffer,
-        own: &[(u32, BindingResource)],
-    ) -> BindGroup {
+    pub fn frame_group(&self, groups: &Groups, passes: &PassBuffer, own: &[Named]) -> BindGroup {
         let [frame, planes, lights] = &self.parts;
-        let Uploads { noise, levels, .. } = self.uploads;
-        let mut entries = vec![BindGroupEntry { binding: 1, resource: passes.binding() }];
-        for (binding, buffer) in [(0, frame), (2, planes), (3, noise), (4, lights), (6, levels)] {
-            entries.push(BindGroupEntry { binding, resource: buffer.as_entire_binding() });
-        }
-        entries.extend(
-            own.iter().map(|(binding, resource)| BindGroupEntry { binding: *binding, resource: resource.clone() }),
-        );
-        self.device.device.create_bind_group(&BindGroupDescriptor { label: Some("frame"), layout, entries: &entries })
+        let Uploads { blue_noise, levels, .. } = self.uploads;
+        let all =
+            [("frame", frame), ("planes", planes), ("blue_noise", blue_noise), ("lights", lights), ("levels", levels)];
+        let all = all.map(|(name, buffer)| (name, buffer.as_entire_binding()));
+        groups.frame().bind(self.device, &[&all[..], &[("bounds", passes.binding())], own].concat())
     }
 
     /// The textures of a brick.
-    pub fn volume_group(&self, layout: &BindGroupLayout, [field, voxels]: &[TextureView; 2]) -> BindGroup {
-        let mut entries = vec![
-            BindGroupEntry { binding: 0, resource: BindingResource::TextureView(field) },
-            BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&self.uploads.blocks) },
-        ];
-        if let Some(sampler) = &self.sampler {
-            entries.push(BindGroupEntry { binding: 1, resource: BindingResource::Sampler(sampler) });
+    pub fn volume_group(&self, groups: &Groups, [field, voxels]: &[TextureView; 2]) -> BindGroup {
+        use BindingResource::{Sampler, TextureView};
+        let Uploads { blocks, perturbation, .. } = self.uploads;
+        let mut all =
+            vec![("volume", TextureView(field)), ("voxels", TextureView(voxels)), ("blocks", TextureView(blocks))];
+        all.extend(self.sampler.as_ref().map(|sampler| ("linear", Sampler(sampler))));
+        all.extend(self.kernels.as_ref().map(|kernels| ("kernels", kernels.as_entire_binding())));
+        all.extend(self.points.as_ref().map(|points| ("points", TextureView(points))));
+        if let Some(noise) = perturbation {
+            all.extend([("noise", noise.numbers.as_entire_binding()), ("noise_texels", TextureView(&noise.texels))]);
         }
-        if let Some(kernels) = &self.kernels {
-            entries.push(BindGroupEntry { binding: 3, resource: kernels.as_entire_binding() });
-        }
-        if let Some(noise) = &self.uploads.perturbation {
-            entries.push(BindGroupEntry { binding: 5, resource: BindingResource::TextureView(&noise.texels) });
-            entries.push(BindGroupEntry { binding: 6, resource: noise.numbers.as_entire_binding() });
-        }
-        if let Some(points) = &self.points {
-            entries.push(BindGroupEntry { binding: 7, resource: BindingResource::TextureView(points) });
-        }
-        if self.variant.has_voxels() {
-            entries.push(BindGroupEntry { binding: 4, resource: BindingResource::TextureView(voxels) });
-        }
-        self.device.device.create_bind_group(&BindGroupDescriptor { label: Some("volume"), layout, entries: &entries })
+        groups.volume().bind(self.device, &all)
     }
 
-    /// A group of nothing, between those of a frame and of tables.
-    pub fn empty_group(&self, layout: &BindGroupLayout) -> BindGroup {
-        self.device.device.create_bind_group(&BindGroupDescriptor { label: None, layout, entries: &[] })
+    /// A pipeline with all that it is told of a frame and its passes, of a brick and of tables.
+    pub fn bound<'p>(
+        &self,
+        pipeline: &'p Pipeline,
+        passes: &PassBuffer,
+        own: &[Named],
+        textures: &[TextureView; 2],
+    ) -> Bound<'p> {
+        let Pipeline { pipeline, groups, .. } = pipeline;
+        let frame = self.frame_group(groups, passes, own);
+        Bound { pipeline, groups: [frame, self.volume_group(groups, textures), self.table_group(groups)] }
     }
 
-    /// The tables that a variant reads.
-    pub fn table_group(&self, layout: &BindGroupLayout, variant: &Variant) -> BindGroup {
-        let Uploads { entries, scattering, .. } = self.uploads;
-        let mut bound = vec![BindGroupEntry { binding: 0, resource: entries.as_entire_binding() }];
-        if variant.has_scattering() {
-            let [header, tables] = scattering;
-            bound.push(BindGroupEntry { binding: 1, resource: header.as_entire_binding() });
-            bound.push(BindGroupEntry { binding: 2, resource: tables.as_entire_binding() });
-        }
-        self.device.device.create_bind_group(&BindGroupDescriptor { label: Some("tables"), layout, entries: &bound })
+    /// The tables that a pipeline reads.
+    pub fn table_group(&self, groups: &Groups) -> BindGroup {
+        let Uploads { entries, scattering: [scattering, scattered], .. } = self.uploads;
+        let all = [("entries", entries), ("scattering", scattering), ("scattered", scattered)];
+        groups.tables().bind(self.device, &all.map(|(name, buffer)| (name, buffer.as_entire_binding())))
     }
 }
 

@@ -11,6 +11,7 @@ mod device;
 mod dispatch;
 mod drawing;
 mod error;
+mod groups;
 mod half_angle;
 mod kernels;
 mod light_volume;

@@ -9,13 +9,13 @@ use pellucid_plan::half_angle::{Geometry, LightError, LightPoints};
 use pellucid_plan::{TableError, Tables};
 use pellucid_scene::{Control, HalfAngle, Region, Stage, StageVolume};
 use wgpu::{
-    BindGroup, BindingResource, CommandEncoder, CommandEncoderDescriptor, ComputePassDescriptor, Texture,
-    TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
+    BindingResource, CommandEncoderDescriptor, Texture, TextureDescriptor, TextureDimension, TextureFormat,
+    TextureUsages, TextureView,
 };
 
 use crate::bindings::Bindings;
-use crate::dispatch::dispatch;
 use crate::drawing::Drawing;
+use crate::groups::Named;
 use crate::half_angle::{self, Layers, Sweep};
 use crate::optics::Optics;
 use crate::passes::PassBuffer;
@@ -129,15 +129,8 @@ impl LightVolumes {
         let (advance, fill) = (advance?, fill?);
         let brick = resident.bricks[0];
         let textures = resident.textures(device, &brick, control)?;
-        let sweeper = Sweeper {
-            device,
-            volume: bindings.volume_group(&advance.groups[1], &textures),
-            bindings,
-            advance,
-            fill,
-            points: &view,
-            dims: points.dims().map(|n| n as u32),
-        };
+        let sweeper =
+            Sweeper { device, textures, bindings, advance, fill, points: &view, dims: points.dims().map(|n| n as u32) };
         let direct = HalfAngle { indirect: 0.0, ..HalfAngle::default() };
         for (number, light) in of.lights.iter().enumerate() {
             let geometry = Geometry::of_light(stage.step, volume.volume.grid(), light, texels)
@@ -174,7 +167,7 @@ fn create(device: &Device, [width, height, depth]: [usize; 3], lights: usize) ->
 struct Sweeper<'a> {
     device: &'a Device,
     bindings: Bindings<'a>,
-    volume: BindGroup,
+    textures: [TextureView; 2],
     advance: Pipeline,
     fill: Pipeline,
     points: &'a TextureView,
@@ -210,19 +203,18 @@ impl Sweeper<'_> {
             ..uniforms::Bounds::default()
         };
         let passes = PassBuffer::new(self.device, (0..slabs).map(pass).chain((0..runs).map(filled)));
-        let numbers = (17, numbers.as_entire_binding());
-        let texture = |binding, view| (binding, BindingResource::TextureView(view));
+        let numbers = ("sweep", numbers.as_entire_binding());
+        let texture = |name, view| (name, BindingResource::TextureView(view));
+        let bound = |pipeline, own: &[Named]| self.bindings.bound(pipeline, &passes, own, &self.textures);
         let advance = |layer: u32| {
             let [before, _] = &layers.each[layer as usize];
             let [_, behind] = &layers.each[((layer + 1) % count) as usize];
-            let own = [numbers.clone(), texture(18, before), texture(21, behind)];
-            self.bindings.frame_group(&self.advance.groups[0], &passes, &own)
+            let own = [numbers.clone(), texture("lost", before), texture("next", behind)];
+            bound(&self.advance, &own)
         };
         let advance: Vec<_> = (0..count).map(advance).collect();
-        let own = [numbers.clone(), texture(18, &layers.all), texture(23, self.points)];
-        let fill = self.bindings.frame_group(&self.fill.groups[0], &passes, &own);
-        let [light_table, fill_table] = [&self.advance, &self.fill]
-            .map(|pipeline| self.bindings.table_group(&pipeline.groups[2], &pipeline.variant));
+        let own = [numbers.clone(), texture("lost", &layers.all), texture("points", self.points)];
+        let fill = bound(&self.fill, &own);
         for run in 0..runs {
             if control.is_cancelled() {
                 return Err(GpuError::Cancelled);
@@ -233,26 +225,13 @@ impl Sweeper<'_> {
                 layers.clear(&mut encoder);
             }
             for slab in run * RUN..slabs.min((run + 1) * RUN) {
-                let groups = [&advance[(slab % count) as usize], &self.volume, &light_table];
-                dispatch(&mut encoder, &self.advance.pipeline, &groups, passes.offset(slab as usize), size, None);
+                let texels = [size[0], size[1], 1];
+                advance[(slab % count) as usize].dispatch(&mut encoder, passes.offset(slab as usize), texels, None);
             }
-            let offset = passes.offset((slabs + run) as usize);
-            self.fill(&mut encoder, [&fill, &self.volume, &fill_table], offset);
+            fill.dispatch(&mut encoder, passes.offset((slabs + run) as usize), self.dims, None);
             self.device.queue.submit([encoder.finish()]);
             self.device.wait()?;
         }
         Ok(())
-    }
-
-    /// Adds a pass over all points.
-    fn fill(&self, encoder: &mut CommandEncoder, groups: [&BindGroup; 3], offset: u32) {
-        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
-        pass.set_pipeline(&self.fill.pipeline);
-        for (number, group) in groups.into_iter().enumerate() {
-            let offsets: &[u32] = if number == 0 { &[offset] } else { &[] };
-            pass.set_bind_group(number as u32, group, offsets);
-        }
-        let [nx, ny, nz] = self.dims;
-        pass.dispatch_workgroups(nx.div_ceil(8), ny.div_ceil(8), nz);
     }
 }

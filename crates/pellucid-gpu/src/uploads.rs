@@ -28,7 +28,7 @@ pub struct Uploads {
     /// Isosurfaces.
     pub levels: Buffer,
     /// The tile of blue noise.
-    pub noise: Buffer,
+    pub blue_noise: Buffer,
 }
 
 impl Uploads {
@@ -52,7 +52,7 @@ impl Uploads {
                 storage(device, "scattered", tables_of_scattering),
             ],
             levels: storage(device, "levels", &optics.levels),
-            noise: storage(device, "noise", &noise),
+            blue_noise: storage(device, "blue noise", &noise),
         }
     }
 

@@ -13,13 +13,12 @@ use bytemuck::bytes_of;
 use pellucid_optics::ResolvedLight;
 use pellucid_plan::half_angle::{Geometry, LightError, lights, material, taps};
 use pellucid_scene::{Control, Frame as Picture, HalfAngle, InScatter, Stage, StageVolume};
-use wgpu::{
-    BindGroup, BindingResource, Buffer, CommandEncoder, CommandEncoderDescriptor, ComputePassTimestampWrites, Features,
-};
+use wgpu::{BindingResource, Buffer, CommandEncoderDescriptor, Features};
 
 use crate::bindings::Bindings;
 use crate::dispatch::dispatch;
 use crate::drawing::{Drawing, Interpolation};
+use crate::groups::Named;
 use crate::optics::Optics;
 use crate::pace::Pace;
 use crate::passes::PassBuffer;
@@ -77,26 +76,6 @@ struct Travelling {
     areas: Areas,
     /// Slabs that the eye looks at together.
     run: u32,
-}
-
-/// What a pipeline is bound to but for the volume.
-struct Bound<'a> {
-    pipeline: &'a Pipeline,
-    frame: BindGroup,
-    table: BindGroup,
-}
-
-impl Bound<'_> {
-    fn dispatch(
-        &self,
-        encoder: &mut CommandEncoder,
-        volume: &BindGroup,
-        offset: u32,
-        size: [u32; 2],
-        writes: Option<ComputePassTimestampWrites>,
-    ) {
-        dispatch(encoder, &self.pipeline.pipeline, &[&self.frame, volume, &self.table], offset, size, writes);
-    }
 }
 
 impl Travelling {
@@ -285,29 +264,24 @@ impl<'a> HalfAngleSlicer<'a> {
         let brick = self.resident.bricks[0];
         let textures = self.resident.textures(self.device, &brick, control)?;
         let light = &self.lights[number];
-        let volume = self.bindings.volume_group(&self.light.groups[1], &textures);
-        let numbers = (17, light.numbers.as_entire_binding());
-        let held = (22, BindingResource::TextureView(&layers.held));
+        let bound = |pipeline, own: &[Named]| self.bindings.bound(pipeline, &passes, own, &textures);
+        let numbers = ("sweep", light.numbers.as_entire_binding());
+        let held = ("held", BindingResource::TextureView(&layers.held));
         let advance: Vec<_> = (0..light.layers())
             .map(|layer| {
                 let [[before, _], [_, behind]] =
                     [layer, (layer + 1) % light.layers()].map(|layer| &layers.each[layer as usize]);
-                let mut own = vec![
-                    numbers.clone(),
-                    (18, BindingResource::TextureView(before)),
-                    (21, BindingResource::TextureView(behind)),
-                ];
-                own.extend(self.presence.as_ref().map(|_| held.clone()));
-                self.bound(&self.light, &passes, &own)
+                let [before, behind] = [before, behind].map(BindingResource::TextureView);
+                bound(&self.light, &[numbers.clone(), held.clone(), ("lost", before), ("next", behind)])
             })
             .collect();
-        let presence =
-            self.presence.as_ref().map(|presence| self.bound(presence, &passes, &[numbers.clone(), held.clone()]));
-        let states = (5, targets.states.as_entire_binding());
-        let all = (18, BindingResource::TextureView(&layers.all));
-        let eye = self.bound(&self.eye, &passes, &[states.clone(), numbers.clone(), all]);
-        let surface = self.bound(&self.surface, &passes, &[states, numbers]);
-        let pixels = [targets.width, rows];
+        let presence = self.presence.as_ref().map(|presence| bound(presence, &[numbers.clone(), held.clone()]));
+        let states = ("states", targets.states.as_entire_binding());
+        let all = ("lost", BindingResource::TextureView(&layers.all));
+        let eye = bound(&self.eye, &[states.clone(), numbers.clone(), all]);
+        let surface = bound(&self.surface, &[states, numbers]);
+        let pixels = [targets.width, rows, 1];
+        let [width, height] = light.size();
         let mut busy = Some(0.0);
         let mut next = 0;
         // Uploads are not what is measured.
@@ -330,18 +304,18 @@ impl<'a> HalfAngleSlicer<'a> {
                 for slab in here.clone() {
                     let offset = passes.offset((slab - slabs.start) as usize);
                     let [from, to] = light.areas.of(slab);
-                    let texels = [to[0] - from[0], to[1] - from[1]];
+                    let texels = [to[0] - from[0], to[1] - from[1], 1];
                     if let Some(presence) = &presence {
-                        presence.dispatch(&mut encoder, &volume, offset, light.size(), None);
+                        presence.dispatch(&mut encoder, offset, [width, height, 1], None);
                     }
                     let begins = writes(run == some.start && slab == here.start, false);
-                    advance[(slab % light.layers()) as usize].dispatch(&mut encoder, &volume, offset, texels, begins);
+                    advance[(slab % light.layers()) as usize].dispatch(&mut encoder, offset, texels, begins);
                 }
                 let ends = writes(run == some.start && here.is_empty(), run + 1 == some.end);
-                eye.dispatch(&mut encoder, &volume, passes.offset(slabs.len() + run as usize), pixels, ends);
+                eye.dispatch(&mut encoder, passes.offset(slabs.len() + run as usize), pixels, ends);
             }
             if next == runs {
-                surface.dispatch(&mut encoder, &volume, passes.offset(slabs.len() + runs as usize), pixels, None);
+                surface.dispatch(&mut encoder, passes.offset(slabs.len() + runs as usize), pixels, None);
             }
             if let Some(timer) = timer {
                 timer.copy(&mut encoder, 1);
@@ -369,23 +343,16 @@ impl<'a> HalfAngleSlicer<'a> {
         }
     }
 
-    fn bound<'p>(&self, pipeline: &'p Pipeline, passes: &PassBuffer, own: &[(u32, BindingResource)]) -> Bound<'p> {
-        Bound {
-            frame: self.bindings.frame_group(&pipeline.groups[0], passes, own),
-            table: self.bindings.table_group(&pipeline.groups[2], &pipeline.variant),
-            pipeline,
-        }
-    }
-
     /// Adds rays to their pixels.
     fn resolve(&self, targets: &Targets, [row, rows, sub]: [u32; 3], is_last: bool) {
         let pass = uniforms::Bounds { rows: [row, rows, sub, 0], ..uniforms::Bounds::default() };
         let passes = PassBuffer::new(self.device, [pass]);
-        let own = [(5, targets.states.as_entire_binding()), (7, targets.pixels.as_entire_binding())];
-        let group = self.bindings.frame_group(&self.resolve.groups[0], &passes, &own);
+        let own = [("states", targets.states.as_entire_binding()), ("pixels", targets.pixels.as_entire_binding())];
+        let group = self.bindings.frame_group(&self.resolve.groups, &passes, &own);
         let mut encoder =
             self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("half-angle") });
-        dispatch(&mut encoder, &self.resolve.pipeline, &[&group], 0, [targets.width, rows], None);
+        let size = [targets.width, rows, 1];
+        dispatch(&mut encoder, &self.resolve.pipeline, [Some(&group), None, None], 0, size, None);
         if is_last {
             targets.copy(&mut encoder, rows);
         }

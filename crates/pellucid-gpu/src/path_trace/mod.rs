@@ -12,10 +12,9 @@ use glam::Vec3;
 use pellucid_optics::{Material, Sky};
 use pellucid_plan::MajorantGrid;
 use pellucid_scene::{Control, Frame as Picture, PathTrace, Stage, StageVolume};
-use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, CommandEncoderDescriptor};
+use wgpu::{Buffer, CommandEncoder, CommandEncoderDescriptor};
 
 use crate::bindings::Bindings;
-use crate::dispatch::dispatch;
 use crate::drawing::Drawing;
 use crate::optics::Optics;
 use crate::pace::Pace;
@@ -169,12 +168,16 @@ impl<'a> PathTracer<'a> {
     ) -> Result<(), GpuError> {
         let brick = self.resident.bricks[0];
         let views = self.resident.textures(self.device, &brick, control)?;
-        let volume = self.bindings.volume_group(&self.trace.groups[1], &views);
-        let states = (5, targets.states.as_entire_binding());
-        let own = [(19, &self.numbers), (20, &self.majorants), (21, &self.extents), (22, &self.sky)];
-        let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
+        let states = ("states", targets.states.as_entire_binding());
+        let own = [
+            ("paths", &self.numbers),
+            ("majorants", &self.majorants),
+            ("extents", &self.extents),
+            ("sky_texels", &self.sky),
+        ];
+        let own = own.map(|(name, buffer)| (name, buffer.as_entire_binding()));
         let sees: Vec<_> = std::iter::once(states.clone()).chain(own).collect();
-        let size = [targets.width, rows];
+        let size = [targets.width, rows, 1];
         let mut path = 0;
         while path < self.settings.samples {
             if control.is_cancelled() {
@@ -188,12 +191,11 @@ impl<'a> PathTracer<'a> {
                 ..uniforms::Bounds::default()
             };
             let passes = PassBuffer::new(self.device, some.clone().map(pass));
-            let [frame, table] = self.groups(&self.trace, &passes, &sees);
+            let trace = self.bindings.bound(&self.trace, &passes, &sees, &views);
             let started = Instant::now();
             let mut encoder = self.encoder();
             for number in 0..some.len() {
-                let groups = [&frame, &volume, &table];
-                dispatch(&mut encoder, &self.trace.pipeline, &groups, passes.offset(number), size, None);
+                trace.dispatch(&mut encoder, passes.offset(number), size, None);
             }
             self.device.queue.submit([encoder.finish()]);
             self.device.wait()?;
@@ -201,19 +203,14 @@ impl<'a> PathTracer<'a> {
             report(f64::from(path) / f64::from(self.settings.samples));
         }
         let passes = PassBuffer::new(self.device, [uniforms::Bounds { rows: [row, rows, 0, 0], ..Default::default() }]);
-        let pixels = (7, targets.pixels.as_entire_binding());
-        let numbers = (19, self.numbers.as_entire_binding());
-        let [frame, table] = self.groups(&self.pixels, &passes, &[states, pixels, numbers]);
+        let pixels = ("pixels", targets.pixels.as_entire_binding());
+        let numbers = ("paths", self.numbers.as_entire_binding());
+        let bound = self.bindings.bound(&self.pixels, &passes, &[states, pixels, numbers], &views);
         let mut encoder = self.encoder();
-        dispatch(&mut encoder, &self.pixels.pipeline, &[&frame, &volume, &table], 0, size, None);
+        bound.dispatch(&mut encoder, 0, size, None);
         targets.copy(&mut encoder, rows);
         self.device.queue.submit([encoder.finish()]);
         Ok(())
-    }
-
-    fn groups(&self, pipeline: &Pipeline, passes: &PassBuffer, own: &[(u32, BindingResource)]) -> [BindGroup; 2] {
-        let table = self.bindings.table_group(&pipeline.groups[2], &pipeline.variant);
-        [self.bindings.frame_group(&pipeline.groups[0], passes, own), table]
     }
 
     fn encoder(&self) -> CommandEncoder {

@@ -88,7 +88,7 @@ impl<'a> RayCaster<'a> {
             .get(device, Variant { chromatic: stage.holds_back_each_color(), ..Variant::of(Pass::Resolve) })?;
         let resolve = resolve.clone();
         let march = pipelines.get(device, bindings.variant)?.clone();
-        let table = bindings.table_group(&march.groups[2], &march.variant);
+        let table = bindings.table_group(&march.groups);
         let mut bricks = resident.bricks.clone();
         bricks::sort(&mut bricks, stage, volume.volume.grid());
         Ok(Self { device, resident, stage, bindings, bricks, march, resolve, table })
@@ -149,7 +149,7 @@ impl<'a> RayCaster<'a> {
     ) -> Result<Option<f64>, GpuError> {
         let (pixels, bricks) = (u64::from(targets.width) * u64::from(band.rows), self.bricks.len());
         let turns = bricks * self.stage.quality.supersampling.pow(2) as usize;
-        let size = [targets.width, band.rows];
+        let size = [targets.width, band.rows, 1];
         let complete = self.resident.is_complete();
         let mut busy = Some(0.0);
         let mut turn = 0;
@@ -182,9 +182,10 @@ impl<'a> RayCaster<'a> {
             for (number, view) in views.iter().enumerate() {
                 let volume = self.volume_group(view);
                 let (offset, begins) = (passes.offset(number), writes(number == 0, number + 1 == views.len()));
-                dispatch(&mut encoder, &self.march.pipeline, &[&march, &volume, &self.table], offset, size, begins);
+                let groups = [Some(&march), Some(&volume), Some(&self.table)];
+                dispatch(&mut encoder, &self.march.pipeline, groups, offset, size, begins);
                 if (first + number + 1) % bricks == 0 {
-                    dispatch(&mut encoder, &self.resolve.pipeline, &[&resolve], offset, size, None);
+                    dispatch(&mut encoder, &self.resolve.pipeline, [Some(&resolve), None, None], offset, size, None);
                 }
             }
             if turn == turns {
@@ -260,10 +261,11 @@ impl<'a> RayCaster<'a> {
                 let mut encoder = self.encoder();
                 front.clear(&mut encoder, 1 - list);
                 // Lists are read by workgroups in one row.
-                let size = left.map_or([targets.width, rows], |rays: u32| [rays.div_ceil(8), 1]);
+                let size = left.map_or([targets.width, rows, 1], |rays: u32| [rays.div_ceil(8), 1, 1]);
                 let started = Instant::now();
                 let writes = timer.and_then(|timer| timer.writes(0, true, true));
-                dispatch(&mut encoder, &self.march.pipeline, &[&group, &volume, &self.table], 0, size, writes);
+                let groups = [Some(&group), Some(&volume), Some(&self.table)];
+                dispatch(&mut encoder, &self.march.pipeline, groups, 0, size, writes);
                 if let Some(timer) = timer {
                     timer.copy(&mut encoder, 1);
                 }
@@ -276,7 +278,8 @@ impl<'a> RayCaster<'a> {
             let passes = PassBuffer::new(self.device, [pass]);
             let group = self.frame_group(&self.resolve, targets, &passes, None);
             let mut encoder = self.encoder();
-            dispatch(&mut encoder, &self.resolve.pipeline, &[&group], 0, [targets.width, rows], None);
+            let size = [targets.width, rows, 1];
+            dispatch(&mut encoder, &self.resolve.pipeline, [Some(&group), None, None], 0, size, None);
             if sub + 1 == rays {
                 targets.copy(&mut encoder, rows);
             }
@@ -297,16 +300,16 @@ impl<'a> RayCaster<'a> {
         passes: &PassBuffer,
         front: Option<&Front>,
     ) -> BindGroup {
-        let mut own = vec![(5, targets.states.as_entire_binding())];
+        let mut own = vec![("states", targets.states.as_entire_binding())];
         match pipeline.variant.pass {
-            Pass::Resolve => own.push((7, targets.pixels.as_entire_binding())),
-            _ => own.extend(front.map(|front| (8, front.lists().as_entire_binding()))),
+            Pass::Resolve => own.push(("pixels", targets.pixels.as_entire_binding())),
+            _ => own.extend(front.map(|front| ("front", front.lists().as_entire_binding()))),
         }
-        self.bindings.frame_group(&pipeline.groups[0], passes, &own)
+        self.bindings.frame_group(&pipeline.groups, passes, &own)
     }
 
     fn volume_group(&self, views: &[TextureView; 2]) -> BindGroup {
-        self.bindings.volume_group(&self.march.groups[1], views)
+        self.bindings.volume_group(&self.march.groups, views)
     }
 }
 

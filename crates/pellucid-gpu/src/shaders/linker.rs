@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
-use wgpu::naga;
+use wgpu::naga::Module;
+use wgpu::naga::compact::{KeepUnused, compact};
 
 use super::pass::{SHARED, Wgsl};
 use super::{Constants, Variant};
@@ -23,7 +24,7 @@ impl Linker {
     ///
     /// # Errors
     /// [`GpuError::Shader`] with the compiler's message; a test links every variant.
-    pub fn link(&mut self, variant: &Variant, constants: Constants) -> Result<naga::Module, GpuError> {
+    pub fn link(&mut self, variant: &Variant, constants: Constants) -> Result<Module, GpuError> {
         let failed = |message: String| GpuError::Shader { variant: format!("{variant:?}"), message };
         let (entry, mode) = variant.pass.files(variant.traversal);
         let composer = match self.composers.entry(mode.as_ref().map(|mode| mode.name)) {
@@ -44,7 +45,10 @@ impl Linker {
             ..Default::default()
         };
         let made = composer.make_naga_module(module);
-        made.map_err(|error| failed(error.emit_to_string(composer)))
+        let mut made = made.map_err(|error| failed(error.emit_to_string(composer)))?;
+        // What is left is what the pass uses.
+        compact(&mut made, KeepUnused::No);
+        Ok(made)
     }
 }
 

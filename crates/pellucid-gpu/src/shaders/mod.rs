@@ -9,9 +9,11 @@ use naga_oil::compose::ShaderDefValue;
 
 mod linker;
 mod pass;
+mod resource;
 
 pub use linker::Linker;
 pub use pass::{Pass, Traversal};
+pub use resource::{Resource, resources};
 
 /// Where shaders find what is the same for all of their invocations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -201,19 +203,9 @@ impl Variant {
         self
     }
 
-    /// Whether classified voxels have a texture beside that of the field.
-    pub fn has_voxels(&self) -> bool {
-        self.kernels && self.pass == Pass::CompositePre
-    }
-
     /// Whether samples are lit in any way.
     fn lights(&self) -> bool {
         self.shaded || self.scattered
-    }
-
-    /// Whether it reads how samples scatter.
-    pub fn has_scattering(&self) -> bool {
-        self.scattered || self.transport
     }
 
     /// The names that are defined for the preprocessor.

@@ -26,7 +26,7 @@ struct Noise {
     terms: array<Term, 16>,
 }
 
-@group(1) @binding(5) var texels: texture_3d<f32>;
+@group(1) @binding(5) var noise_texels: texture_3d<f32>;
 #ifdef STORED_CONSTANTS
 @group(1) @binding(6) var<storage, read> noise: Noise;
 #else
@@ -34,7 +34,7 @@ struct Noise {
 #endif
 
 fn texel(cell: vec3<i32>) -> vec4<f32> {
-    return textureLoad(texels, cell & vec3<i32>(31), 0) * 2.0 - 1.0;
+    return textureLoad(noise_texels, cell & vec3<i32>(31), 0) * 2.0 - 1.0;
 }
 
 // The sum of some of the terms at a position in voxels.

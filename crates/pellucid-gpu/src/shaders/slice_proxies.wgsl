@@ -10,7 +10,7 @@ struct Corner {
 
 #ifdef GIVEN
 // Six corners a polygon, of which the first two tell box and slice.
-@group(0) @binding(11) var<storage, read> corners: array<vec4<f32>>;
+@group(0) @binding(11) var<storage, read> instances: array<vec4<f32>>;
 #else
 // Box and slice.
 @group(0) @binding(11) var<storage, read> instances: array<vec2<u32>>;
@@ -30,11 +30,11 @@ fn projected(p: vec3<f32>) -> vec4<f32> {
 #ifdef GIVEN
 @vertex
 fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance: u32) -> Corner {
-    let box = u32(corners[6u * instance].w);
-    let slice = u32(corners[6u * instance + 1u].w);
+    let box = u32(instances[6u * instance].w);
+    let slice = u32(instances[6u * instance + 1u].w);
     var position = NOWHERE;
     if visible[box] != 0u {
-        position = projected(corners[6u * instance + corner].xyz);
+        position = projected(instances[6u * instance + corner].xyz);
     }
     return Corner(position, box, slice);
 }

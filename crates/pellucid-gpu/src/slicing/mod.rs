@@ -241,24 +241,23 @@ impl<'a> Slicer<'a> {
         // At first all boxes may be seen.
         let seen = vec![1u32; geometry.box_count.max(1) as usize];
         let visible = self.device.buffer("visible", cast_slice(&seen), BufferUsages::STORAGE);
-        let group = |layout, own: &[(u32, BindingResource)]| bindings.frame_group(layout, &passes, own);
-        let [boxes, instances, visible, slices, tiles] =
-            [&geometry.boxes, &geometry.instances, &visible, &numbers, &canvas.tiles].map(Buffer::as_entire_binding);
-        let colors = BindingResource::TextureView(&canvas.colors);
+        let own = [
+            ("slices", numbers.as_entire_binding()),
+            ("boxes", geometry.boxes.as_entire_binding()),
+            ("instances", geometry.instances.as_entire_binding()),
+            ("visible", visible.as_entire_binding()),
+            ("tiles", canvas.tiles.as_entire_binding()),
+            ("colors", BindingResource::TextureView(&canvas.colors)),
+        ];
+        let group = |groups| bindings.frame_group(groups, &passes, &own);
         Layer {
             rows,
-            slices: group(
-                &self.slices.groups[0],
-                &[(9, slices.clone()), (10, boxes.clone()), (11, instances), (12, visible.clone())],
-            ),
-            done: group(&self.done.groups[0], &[(9, slices.clone()), (13, colors.clone())]),
-            tiles: group(&self.tiles.groups[0], &[(13, colors), (15, tiles.clone())]),
-            occlusion: group(
-                &self.occlusion.groups[0],
-                &[(9, slices.clone()), (10, boxes), (15, tiles), (16, visible)],
-            ),
+            slices: group(&self.slices.groups),
+            done: group(&self.done.groups),
+            tiles: group(&self.tiles.groups),
+            occlusion: group(&self.occlusion.groups),
             passes,
-            numbers: numbers.clone(),
+            numbers,
         }
     }
 
@@ -272,7 +271,7 @@ impl<'a> Slicer<'a> {
         pace: &mut Pace,
         control: &Control,
     ) -> Result<Option<f64>, GpuError> {
-        let table = self.bindings.table_group(&self.slices.groups[2], &self.bindings.variant);
+        let table = self.bindings.table_group(&self.slices.groups);
         let between = self.between_looks();
         let mut until_look = between;
         let mut busy = Some(0.0);
@@ -287,7 +286,7 @@ impl<'a> Slicer<'a> {
                     return Err(GpuError::Cancelled);
                 }
                 let views = self.resident.textures(self.device, brick, control)?;
-                let volume = self.bindings.volume_group(&self.slices.groups[1], &views);
+                let volume = self.bindings.volume_group(&self.slices.groups, &views);
                 if self.resident.is_complete() {
                     // Uploads are not what is measured.
                     self.device.wait()?;
@@ -356,15 +355,17 @@ impl<'a> Slicer<'a> {
             ..Default::default()
         });
         pass.set_pipeline(&self.done.pipeline);
-        pass.set_bind_group(0, &layer.done, &[offset]);
+        pass.set_bind_group(0, &layer.done, &[]);
         pass.draw(0..3, 0..1);
         drop(pass);
         if self.slicing.occlusion_culling && self.geometry.box_count > 1 {
-            let tiles = [self.bindings.window.size[0], layer.rows].map(|n| n.div_ceil(targets::TILE));
-            dispatch(encoder, &self.tiles.pipeline, &[&layer.tiles], offset, tiles, None);
+            let [columns, rows] = [self.bindings.window.size[0], layer.rows].map(|n| n.div_ceil(targets::TILE));
+            let only = |group| [Some(group), None, None];
+            let tiles = [columns, rows, 1];
+            dispatch(encoder, &self.tiles.pipeline, only(&layer.tiles), offset, tiles, None);
             // Workgroups of 64 in a row.
-            let boxes = [self.geometry.box_count.div_ceil(8), 1];
-            dispatch(encoder, &self.occlusion.pipeline, &[&layer.occlusion], offset, boxes, None);
+            let boxes = [self.geometry.box_count.div_ceil(8), 1, 1];
+            dispatch(encoder, &self.occlusion.pipeline, only(&layer.occlusion), offset, boxes, None);
         }
     }
 
@@ -399,16 +400,15 @@ impl<'a> Slicer<'a> {
     /// What was blended becomes a part of the pixels.
     fn add_to_pixels(&self, encoder: &mut CommandEncoder, canvas: &Canvas, targets: &Targets, layer: &Layer) {
         let own = [
-            (7, targets.pixels.as_entire_binding()),
-            (9, layer.numbers.as_entire_binding()),
-            (13, BindingResource::TextureView(&canvas.colors)),
-            (14, BindingResource::TextureView(&canvas.counts)),
+            ("pixels", targets.pixels.as_entire_binding()),
+            ("slices", layer.numbers.as_entire_binding()),
+            ("colors", BindingResource::TextureView(&canvas.colors)),
+            ("taken", BindingResource::TextureView(&canvas.counts)),
         ];
-        let frame = self.bindings.frame_group(&self.pixels.groups[0], &layer.passes, &own);
-        let nothing = self.bindings.empty_group(&self.pixels.groups[1]);
-        let table = self.bindings.table_group(&self.pixels.groups[2], &self.pixels.variant);
-        let size = [targets.width, layer.rows];
-        dispatch(encoder, &self.pixels.pipeline, &[&frame, &nothing, &table], 0, size, None);
+        let frame = self.bindings.frame_group(&self.pixels.groups, &layer.passes, &own);
+        let table = self.bindings.table_group(&self.pixels.groups);
+        let size = [targets.width, layer.rows, 1];
+        dispatch(encoder, &self.pixels.pipeline, [Some(&frame), None, Some(&table)], 0, size, None);
     }
 
     fn encoder(&self) -> CommandEncoder {

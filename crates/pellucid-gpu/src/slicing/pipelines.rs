@@ -3,23 +3,24 @@
 use std::collections::HashMap;
 
 use wgpu::{
-    BindGroupLayout, ColorTargetState, ColorWrites, CompareFunction, DepthStencilState, FragmentState, PrimitiveState,
-    RenderPipeline, RenderPipelineDescriptor, ShaderModule, VertexState,
+    ColorTargetState, ColorWrites, CompareFunction, DepthStencilState, FragmentState, PrimitiveState, RenderPipeline,
+    RenderPipelineDescriptor, VertexState,
 };
 
 use super::blending::{Blending, SUM};
 use super::targets::DEPTH;
-use crate::pipelines::{groups, module, pipeline_layout};
+use crate::groups::Groups;
+use crate::pipelines::{Shader, shader};
 use crate::shaders::{Pass, Variant};
 use crate::{Device, GpuError};
 
-/// A pipeline that draws, and the layouts of its groups.
+/// A pipeline that draws, and what is bound to it.
 #[derive(Clone)]
 pub struct DrawPipeline {
     /// The pipeline.
     pub pipeline: RenderPipeline,
-    /// The layouts of its groups.
-    pub groups: Vec<BindGroupLayout>,
+    /// What is bound to it.
+    pub groups: Groups,
 }
 
 /// The pipelines of a device, made when they are first needed.
@@ -49,9 +50,7 @@ impl DrawPipelines {
             |format, blend| Some(ColorTargetState { format, blend: Some(blend), write_mask: ColorWrites::ALL });
         let made = make(
             device,
-            &module(device, &Variant::of(proxies))?,
-            &module(device, &key.0)?,
-            groups(device, &key.0),
+            [&shader(device, &Variant::of(proxies))?, &shader(device, &key.0)?],
             &[target(blending.format, blending.state), target(blending.counts, SUM)],
             CompareFunction::Less,
         );
@@ -67,9 +66,8 @@ impl DrawPipelines {
         if let Some(found) = &self.done {
             return Ok(found.clone());
         }
-        let variant = Variant::of(Pass::SliceDone);
-        let module = module(device, &variant)?;
-        let made = make(device, &module, &module, groups(device, &variant), &[], CompareFunction::Always);
+        let both = shader(device, &Variant::of(Pass::SliceDone))?;
+        let made = make(device, [&both; 2], &[], CompareFunction::Always);
         device.check()?;
         Ok(self.done.insert(made).clone())
     }
@@ -78,18 +76,17 @@ impl DrawPipelines {
 /// What has targets only compares depths, the other writes them: tests before fragments stay possible (2.4-5).
 fn make(
     device: &Device,
-    vertex: &ShaderModule,
-    fragment: &ShaderModule,
-    groups: Vec<BindGroupLayout>,
+    [vertex, fragment]: [&Shader; 2],
     targets: &[Option<ColorTargetState>],
     depth_compare: CompareFunction,
 ) -> DrawPipeline {
-    let layout = pipeline_layout(device, &groups);
+    let resources = [&vertex.resources[..], &fragment.resources].concat();
+    let groups = Groups::new(device, "slices", &resources);
     let pipeline = device.device.create_render_pipeline(&RenderPipelineDescriptor {
         label: Some("slices"),
-        layout: Some(&layout),
+        layout: Some(&groups.pipeline_layout(device)),
         vertex: VertexState {
-            module: vertex,
+            module: &vertex.module,
             entry_point: Some("vertex"),
             compilation_options: Default::default(),
             buffers: &[],
@@ -104,7 +101,7 @@ fn make(
         }),
         multisample: Default::default(),
         fragment: Some(FragmentState {
-            module: fragment,
+            module: &fragment.module,
             entry_point: Some("fragment"),
             compilation_options: Default::default(),
             targets,
