@@ -123,10 +123,13 @@ impl<'a> Bindings<'a> {
     pub fn frame_group(&self, groups: &Groups, passes: &PassBuffer, own: &[Named]) -> BindGroup {
         let [frame, planes, lights] = &self.parts;
         let Uploads { blue_noise, levels, .. } = self.uploads;
-        let all =
-            [("frame", frame), ("planes", planes), ("blue_noise", blue_noise), ("lights", lights), ("levels", levels)];
+        let all = [("frame", frame), ("planes", planes), ("lights", lights), ("levels", levels)];
         let all = all.map(|(name, buffer)| (name, buffer.as_entire_binding()));
-        groups.frame().bind(self.device, &[&all[..], &[("bounds", passes.binding())], own].concat())
+        groups.frame().bind(
+            self.device,
+            &[&all[..], &[("bounds", passes.binding()), ("blue_noise", BindingResource::TextureView(blue_noise))], own]
+                .concat(),
+        )
     }
 
     /// The textures of a brick.
@@ -166,8 +169,7 @@ impl<'a> Bindings<'a> {
 }
 
 fn one_point(device: &Device) -> TextureView {
-    let point = texture::of_bytes(device, "light volume", TextureFormat::R32Float, [1; 3], bytes_of(&1.0f32));
-    point.create_view(&Default::default())
+    texture::solid(device, "light volume", TextureFormat::R32Float, [1; 3], bytes_of(&1.0f32))
 }
 
 fn sampler(device: &Device) -> Sampler {

@@ -72,10 +72,7 @@ impl UploadedNoise {
         let displacing = tables.displacer.as_ref().map(|by| by.turbulence());
         let sum = displacing.or(tables.variation.as_ref().map(|by| by.turbulence()))?;
         let texels = cast_slice(sum.noise().texels());
-        let texture = texture::of_bytes(device, "noise", TextureFormat::Rgba8Unorm, [Texels::SIZE; 3], texels);
-        Some(Self {
-            texels: texture.create_view(&Default::default()),
-            numbers: device.constant_buffer("noise", bytes_of(&numbers)),
-        })
+        let texels = texture::solid(device, "noise", TextureFormat::Rgba8Unorm, [Texels::SIZE; 3], texels);
+        Some(Self { texels, numbers: device.constant_buffer("noise", bytes_of(&numbers)) })
     }
 }

@@ -7,7 +7,9 @@ use pellucid_field::{Volume, Voxel, Voxels, for_voxels};
 use pellucid_plan::Tables;
 use pellucid_scene::{Stage, StageVolume};
 use wgpu::util::{DeviceExt, TextureDataOrder};
-use wgpu::{Extent3d, Features, Texture, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages};
+use wgpu::{
+    Extent3d, Features, Texture, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
+};
 
 use crate::{Capabilities, Device};
 
@@ -196,19 +198,36 @@ pub fn create(device: &Device, encoding: &Encoding, layout: Layout, dims: [usize
     })
 }
 
-/// A texture filled with bytes, x fastest.
-pub fn of_bytes(device: &Device, label: &str, format: TextureFormat, dims: [usize; 3], bytes: &[u8]) -> Texture {
+/// A 3D texture filled with bytes, x fastest.
+pub fn solid(device: &Device, label: &str, format: TextureFormat, dims: [usize; 3], bytes: &[u8]) -> TextureView {
+    filled(device, label, (TextureDimension::D3, format), dims, bytes)
+}
+
+/// A 2D texture filled with bytes, row by row.
+pub fn flat(device: &Device, label: &str, format: TextureFormat, size: [usize; 2], bytes: &[u8]) -> TextureView {
+    filled(device, label, (TextureDimension::D2, format), [size[0], size[1], 1], bytes)
+}
+
+fn filled(
+    device: &Device,
+    label: &str,
+    (dimension, format): (TextureDimension, TextureFormat),
+    dims: [usize; 3],
+    bytes: &[u8],
+) -> TextureView {
     let descriptor = TextureDescriptor {
         label: Some(label),
         size: extent(dims),
         mip_level_count: 1,
         sample_count: 1,
-        dimension: TextureDimension::D3,
+        dimension,
         format,
         usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
         view_formats: &[],
     };
-    device.device.create_texture_with_data(&device.queue, &descriptor, TextureDataOrder::default(), bytes)
+    let texture =
+        device.device.create_texture_with_data(&device.queue, &descriptor, TextureDataOrder::default(), bytes);
+    texture.create_view(&Default::default())
 }
 
 pub(crate) fn extent([width, height, depth]: [usize; 3]) -> Extent3d {

@@ -28,7 +28,7 @@ pub struct Uploads {
     /// Isosurfaces.
     pub levels: Buffer,
     /// The tile of blue noise.
-    pub blue_noise: Buffer,
+    pub blue_noise: TextureView,
 }
 
 impl Uploads {
@@ -52,7 +52,13 @@ impl Uploads {
                 storage(device, "scattered", tables_of_scattering),
             ],
             levels: storage(device, "levels", &optics.levels),
-            blue_noise: storage(device, "blue noise", &noise),
+            blue_noise: texture::flat(
+                device,
+                "blue noise",
+                TextureFormat::R32Float,
+                [BLUE_NOISE_TILE; 2],
+                cast_slice(&noise),
+            ),
         }
     }
 
@@ -87,6 +93,5 @@ fn block_texture(device: &Device, blocks: Option<&BlockMap>, extremes: bool) -> 
             }
         },
     };
-    let texture = texture::of_bytes(device, "blocks", format, dims, &bytes);
-    texture.create_view(&Default::default())
+    texture::solid(device, "blocks", format, dims, &bytes)
 }

@@ -7,12 +7,12 @@ mod sky;
 
 use std::time::Instant;
 
-use bytemuck::bytes_of;
+use bytemuck::{bytes_of, cast_slice};
 use glam::Vec3;
 use pellucid_optics::{Material, Sky};
 use pellucid_plan::MajorantGrid;
 use pellucid_scene::{Control, Frame as Picture, PathTrace, Stage, StageVolume};
-use wgpu::{Buffer, CommandEncoder, CommandEncoderDescriptor};
+use wgpu::{BindingResource, Buffer, CommandEncoder, CommandEncoderDescriptor, TextureFormat, TextureView};
 
 use crate::bindings::Bindings;
 use crate::drawing::Drawing;
@@ -23,6 +23,7 @@ use crate::pipelines::{Pipeline, Pipelines};
 use crate::resident::Resident;
 use crate::shaders::{Pass, Variant};
 use crate::targets::Targets;
+use crate::texture;
 use crate::uniforms;
 use crate::uploads::{Uploads, storage};
 use crate::window::Window;
@@ -60,9 +61,9 @@ pub struct PathTracer<'a> {
     bindings: Bindings<'a>,
     settings: &'a PathTrace,
     numbers: Buffer,
-    majorants: Buffer,
+    majorants: TextureView,
     extents: Buffer,
-    sky: Buffer,
+    sky: TextureView,
     trace: Pipeline,
     pixels: Pipeline,
 }
@@ -105,12 +106,16 @@ impl<'a> PathTracer<'a> {
         if let Some(Sky::Image { map, .. }) = sky {
             kept.sky.get_or_insert_with(|| UploadedSky::new(device, map));
         }
-        let sky = kept.sky.as_ref().map(|sky| sky.texels.clone());
+        let sky = match &kept.sky {
+            Some(sky) => sky.texels.clone(),
+            None => texture::flat(device, "sky", TextureFormat::Rgba32Float, [1; 2], &[0; 16]),
+        };
+        let dims = majorants.leaps.dims();
         Ok(Self {
             numbers: device.constant_buffer("paths", bytes_of(&numbers)),
-            majorants: storage(device, "majorants", &blocks),
+            majorants: texture::solid(device, "majorants", TextureFormat::Rg32Float, dims, cast_slice(&blocks)),
             extents: storage(device, "extents", &extents),
-            sky: sky.unwrap_or_else(|| storage::<f32>(device, "sky", &[])),
+            sky,
             device,
             resident,
             bindings,
@@ -169,14 +174,13 @@ impl<'a> PathTracer<'a> {
         let brick = self.resident.bricks[0];
         let views = self.resident.textures(self.device, &brick, control)?;
         let states = ("states", targets.states.as_entire_binding());
-        let own = [
-            ("paths", &self.numbers),
-            ("majorants", &self.majorants),
-            ("extents", &self.extents),
-            ("sky_texels", &self.sky),
+        let sees = [
+            states.clone(),
+            ("paths", self.numbers.as_entire_binding()),
+            ("extents", self.extents.as_entire_binding()),
+            ("majorants", BindingResource::TextureView(&self.majorants)),
+            ("sky", BindingResource::TextureView(&self.sky)),
         ];
-        let own = own.map(|(name, buffer)| (name, buffer.as_entire_binding()));
-        let sees: Vec<_> = std::iter::once(states.clone()).chain(own).collect();
         let size = [targets.width, rows, 1];
         let mut path = 0;
         while path < self.settings.samples {

@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
+use bytemuck::cast_slice;
 use pellucid_optics::{Sky, SkyMap};
-use wgpu::Buffer;
+use wgpu::{TextureFormat, TextureView};
 
-use crate::uploads::storage;
-use crate::{Device, GpuError};
+use crate::{Device, GpuError, texture};
 
 type Four = [f32; 4];
 
 /// A picture that was uploaded, kept while it is the same.
 pub struct UploadedSky {
     of: Arc<SkyMap>,
-    /// Texels and rows.
-    pub texels: Buffer,
+    /// Texels and, below them, what is told of rows.
+    pub texels: TextureView,
 }
 
 impl UploadedSky {
@@ -24,8 +24,11 @@ impl UploadedSky {
         let texels = map.texels().iter().zip(map.column_shares()).map(|(&[r, g, b], share)| [r, g, b, *share]);
         let rows =
             (0..height).zip(map.row_shares()).map(|(row, share)| [map.side(row), map.side(row + 1), 0.0, *share]);
-        let content: Vec<Four> = texels.chain(rows).collect();
-        Self { of: map.clone(), texels: storage(device, "sky", &content) }
+        let mut content: Vec<Four> = texels.chain(rows).collect();
+        let size = size(map);
+        content.resize(size[0] * size[1], [0.0; 4]);
+        let texels = texture::flat(device, "sky", TextureFormat::Rgba32Float, size, cast_slice(&content));
+        Self { of: map.clone(), texels }
     }
 
     /// Whether it is what a sky shows.
@@ -34,24 +37,29 @@ impl UploadedSky {
     }
 }
 
+/// Texels of the texture: those of the picture, and one for each of its rows.
+fn size(map: &SkyMap) -> [usize; 2] {
+    let [width, height] = map.size();
+    [width, height + height.div_ceil(width)]
+}
+
 /// Bytes of a sky on the device.
 ///
 /// # Errors
-/// [`GpuError::Budget`] for a picture larger than a shader can be given.
+/// [`GpuError::Budget`] for a picture larger than a texture can be.
 pub fn bytes(device: &Device, sky: Option<&Sky>) -> Result<u64, GpuError> {
     let Some(Sky::Image { map, .. }) = sky else { return Ok(0) };
-    let [width, height] = map.size().map(|n| n as u64);
-    let needed = (width + 1) * height * size_of::<Four>() as u64;
-    let limits = &device.capabilities.limits;
-    let budget = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-    if needed > budget {
-        let what = format!("a picture of the sky of {width} x {height} texels");
+    let size = size(map).map(|texels| texels as u64);
+    let bytes = |[width, height]: [u64; 2]| width * height * size_of::<Four>() as u64;
+    let most = u64::from(device.capabilities.limits.max_texture_dimension_2d);
+    if size.into_iter().any(|texels| texels > most) {
+        let [width, height] = map.size();
         return Err(GpuError::Budget {
-            what,
-            needed,
-            budget,
+            what: format!("a picture of the sky of {width} x {height} texels"),
+            needed: bytes(size),
+            budget: bytes(size.map(|texels| texels.min(most))),
             advice: "draw it with --backend cpu, or take a smaller one",
         });
     }
-    Ok(needed)
+    Ok(bytes(size))
 }

@@ -46,7 +46,7 @@ struct Paths {
 @group(0) @binding(19) var<uniform> paths: Paths;
 #endif
 // The largest extinction of every block, and how many blocks away the next one is where there is some.
-@group(0) @binding(20) var<storage, read> majorants: array<vec2<f32>>;
+@group(0) @binding(20) var majorants: texture_3d<f32>;
 
 const FAR_AWAY: f32 = 1e30;
 
@@ -104,8 +104,7 @@ fn walk_of(flight: Flight) -> Walk {
 }
 
 fn block_of(walk: Walk) -> vec2<f32> {
-    let n = vec3<i32>(paths.more.yzw);
-    return majorants[walk.block.x + n.x * (walk.block.y + n.y * walk.block.z)];
+    return textureLoad(majorants, walk.block, 0).xy;
 }
 
 // Goes on to the next block, or over all those that are known to be empty, and tells where the flight enters; FAR_AWAY

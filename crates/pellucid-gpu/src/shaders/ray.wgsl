@@ -5,7 +5,7 @@
 #import pellucid::frame::frame
 
 @group(0) @binding(2) var<storage, read> planes: array<vec4<f32>>;
-@group(0) @binding(3) var<storage, read> blue_noise: array<f32>;
+@group(0) @binding(3) var blue_noise: texture_2d<f32>;
 
 const FAR: f32 = 1e30;
 
@@ -168,7 +168,7 @@ fn ray_of(pixel: vec2<u32>, sub: u32) -> Ray {
     if frame.noise.z != 0u {
         let cell = (pixel + frame.noise.xy) % 64u;
         // The rays of one pixel differ by the golden ratio, which spreads any number evenly.
-        ray.jitter = fract(blue_noise[cell.y * 64u + cell.x] + f32(sub) * 0.618034);
+        ray.jitter = fract(textureLoad(blue_noise, cell, 0).x + f32(sub) * 0.618034);
     }
     return ray;
 }

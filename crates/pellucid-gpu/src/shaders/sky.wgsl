@@ -8,7 +8,12 @@
 
 // Of a picture: every texel's colour, rows from the top, and the share of its row's light left of its end; then, of
 // every row, the heights of its upper and its lower side, and the share of all light above its end.
-@group(0) @binding(22) var<storage, read> sky_texels: array<vec4<f32>>;
+@group(0) @binding(22) var sky: texture_2d<f32>;
+
+fn texel_at(number: u32) -> vec4<f32> {
+    let width = paths.picture_size.x;
+    return textureLoad(sky, vec2<u32>(number % width, number / width), 0);
+}
 
 // Relative luminance of linear sRGB.
 fn luminance(color: vec3<f32>) -> f32 {
@@ -38,7 +43,7 @@ fn gradient_in(direction: vec3<f32>) -> SkyLight {
 }
 
 fn texel_in(direction: vec3<f32>, texel: u32) -> SkyLight {
-    let color = sky_texels[texel].rgb;
+    let color = texel_at(texel).rgb;
     let density = luminance(color) * paths.picture.w;
     return SkyLight(direction, color * paths.picture.z, density);
 }
@@ -69,7 +74,7 @@ fn invert(first: u32, count: u32, u: f32) -> Place {
     var high = count - 1u;
     while low < high {
         let middle = (low + high) / 2u;
-        if sky_texels[first + middle].a <= u {
+        if texel_at(first + middle).a <= u {
             low = middle + 1u;
         } else {
             high = middle;
@@ -77,9 +82,9 @@ fn invert(first: u32, count: u32, u: f32) -> Place {
     }
     var start = 0.0;
     if low > 0u {
-        start = sky_texels[first + low - 1u].a;
+        start = texel_at(first + low - 1u).a;
     }
-    let width = sky_texels[first + low].a - start;
+    let width = texel_at(first + low).a - start;
     return Place(low, select(0.5, min((u - start) / width, 1.0), width > 0.0));
 }
 
@@ -96,7 +101,7 @@ fn sample_sky() -> SkyLight {
     let row = invert(size.x * size.y, size.y, u.x);
     let column = invert(row.entry * size.x, size.x, u.y);
     // Places are even in the solid angle, which is the turn times the height.
-    let sides = sky_texels[size.x * size.y + row.entry].xy;
+    let sides = texel_at(size.x * size.y + row.entry).xy;
     let z = mix(sides.x, sides.y, row.within);
     let turn = ((f32(column.entry) + column.within) / f32(size.x) - 0.5) * (2.0 * PI);
     let across = sqrt(max(1.0 - z * z, 0.0));
