@@ -10,6 +10,7 @@ use crate::dispatch::Bound;
 use crate::drawing::Interpolation;
 use crate::groups::{Groups, Named};
 use crate::kernels::Kernels;
+use crate::noise::Noise;
 use crate::optics::{Optics, lights};
 use crate::passes::PassBuffer;
 use crate::pipelines::Pipeline;
@@ -75,6 +76,8 @@ impl<'a> Bindings<'a> {
         frame.set_window(&window);
         frame.set_values(resident.field().data());
         frame.set_nodes(&optics.nodes);
+        frame.scattering = uploads.scattering;
+        frame.noise = uploads.perturbation.as_ref().map_or(Noise::default(), |noise| noise.numbers);
         // Where the length of a gradient tells something, a cut must not lengthen it.
         let by_gradient = stage.scatters() && matches!(volume.scattering.surface, SurfaceShare::Gradient(_));
         if volume.gradient_weight.is_none() && !by_gradient {
@@ -125,11 +128,8 @@ impl<'a> Bindings<'a> {
         let Uploads { blue_noise, levels, .. } = self.uploads;
         let all = [("frame", frame), ("planes", planes), ("lights", lights), ("levels", levels)];
         let all = all.map(|(name, buffer)| (name, buffer.as_entire_binding()));
-        groups.frame().bind(
-            self.device,
-            &[&all[..], &[("bounds", passes.binding()), ("blue_noise", BindingResource::TextureView(blue_noise))], own]
-                .concat(),
-        )
+        let more = [("bounds", passes.binding()), ("blue_noise", BindingResource::TextureView(blue_noise))];
+        groups.frame().bind(self.device, &[&all[..], &more, own].concat())
     }
 
     /// The textures of a brick.
@@ -141,9 +141,7 @@ impl<'a> Bindings<'a> {
         all.extend(self.sampler.as_ref().map(|sampler| ("linear", Sampler(sampler))));
         all.extend(self.kernels.as_ref().map(|kernels| ("kernels", kernels.as_entire_binding())));
         all.extend(self.points.as_ref().map(|points| ("points", TextureView(points))));
-        if let Some(noise) = perturbation {
-            all.extend([("noise", noise.numbers.as_entire_binding()), ("noise_texels", TextureView(&noise.texels))]);
-        }
+        all.extend(perturbation.as_ref().map(|noise| ("noise_texels", TextureView(&noise.texels))));
         groups.volume().bind(self.device, &all)
     }
 
@@ -162,9 +160,7 @@ impl<'a> Bindings<'a> {
 
     /// The tables that a pipeline reads.
     pub fn table_group(&self, groups: &Groups) -> BindGroup {
-        let Uploads { entries, scattering: [scattering, scattered], .. } = self.uploads;
-        let all = [("entries", entries), ("scattering", scattering), ("scattered", scattered)];
-        groups.tables().bind(self.device, &all.map(|(name, buffer)| (name, buffer.as_entire_binding())))
+        groups.tables().bind(self.device, &[("entries", self.uploads.entries.as_entire_binding())])
     }
 }
 

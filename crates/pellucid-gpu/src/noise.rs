@@ -1,9 +1,9 @@
-//! Noise on a volume as shaders take it: the structure of `noise.wgsl`.
+//! Noise on a volume as shaders take it: the structure of `frame.wgsl`.
 
-use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
+use bytemuck::{Pod, Zeroable, cast_slice};
 use pellucid_field::Noise as Texels;
 use pellucid_plan::Tables;
-use wgpu::{Buffer, TextureFormat, TextureView};
+use wgpu::{TextureFormat, TextureView};
 
 use crate::{Device, texture};
 
@@ -35,7 +35,7 @@ pub struct UploadedNoise {
     /// Random numbers.
     pub texels: TextureView,
     /// What they do.
-    pub numbers: Buffer,
+    pub numbers: Noise,
 }
 
 impl Noise {
@@ -73,6 +73,6 @@ impl UploadedNoise {
         let sum = displacing.or(tables.variation.as_ref().map(|by| by.turbulence()))?;
         let texels = cast_slice(sum.noise().texels());
         let texels = texture::solid(device, "noise", TextureFormat::Rgba8Unorm, [Texels::SIZE; 3], texels);
-        Some(Self { texels, numbers: device.constant_buffer("noise", bytes_of(&numbers)) })
+        Some(Self { texels, numbers })
     }
 }

@@ -6,7 +6,7 @@ use pellucid_optics::{ColorSpace, Nodes, Scattering, SurfaceShare, TransferFunct
 use pellucid_plan::{BlockContent, BlockMap, Tables};
 use pellucid_scene::{Classification, ColorWeight, Combine, Isosurface, Mode, Slice, Stage, StageVolume, Technique};
 
-use crate::scattering;
+use crate::scattering::{self, Scatterers};
 use crate::shaders::Pass;
 use crate::uniforms::Level;
 
@@ -113,11 +113,12 @@ impl Optics<'_> {
         tables as u64 + scattering::most_bytes(self.tables)
     }
 
-    /// How samples scatter, as shaders look it up: made anew whenever it is asked for.
-    pub fn scattering(&self) -> Vec<[f32; 4]> {
+    /// How samples scatter, as shaders look it up behind the entries: made anew whenever it is asked for.
+    pub fn scattering(&self) -> Scatterers {
+        let first = self.entries.len();
         match self.pass {
-            Pass::PathTrace => scattering::of_paths(self.scattering, self.tables),
-            _ => scattering::of_samples(self.scattering, &self.tables.light),
+            Pass::PathTrace => scattering::of_paths(self.scattering, self.tables, first),
+            _ => scattering::of_samples(self.scattering, &self.tables.light, first),
         }
     }
 

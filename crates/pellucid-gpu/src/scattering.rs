@@ -1,4 +1,5 @@
-//! How samples scatter light, as shaders look it up: the structure of `scatter.wgsl`.
+//! How samples scatter light, as shaders look it up: the structure of `frame.wgsl`, and tables behind those of the
+//! transfer function.
 
 use std::f32::consts::PI;
 
@@ -10,8 +11,11 @@ type Four = [f32; 4];
 /// Angles that a phase function is listed at, from 0 to 180 degrees.
 const ANGLES: usize = 8192;
 
-/// Fours in front of the tables.
+/// Fours that tell where the tables are.
 pub const HEADER: usize = 8;
+
+/// Numbers, and the tables they tell of.
+pub type Scatterers = ([Four; HEADER], Vec<Four>);
 
 /// Which formula `scatter.wgsl` has for a phase function.
 const LISTED: f32 = 0.0;
@@ -28,39 +32,48 @@ pub fn most_bytes(tables: &Tables) -> u64 {
     let Some(scatter) = &tables.light.scatter else { return 0 };
     let transport = tables.light.transport.as_ref().map_or(0, |transport| transport.entries().len());
     let colors = transport.max(tables.table.entries().len());
-    ((HEADER + scatter.entries().len() + colors + ANGLES + COSINES + 1) * size_of::<Four>()) as u64
+    ((scatter.entries().len() + colors + ANGLES + COSINES + 1) * size_of::<Four>()) as u64
 }
 
-/// What samples that scatter once look up; nothing if they do not.
-pub fn of_samples(scattering: &Scattering, tables: &LightTables) -> Vec<Four> {
-    let Some(scatter) = &tables.scatter else { return Vec::new() };
+/// What samples that scatter once look up, from entry `first` on; nothing if they do not.
+pub fn of_samples(scattering: &Scattering, tables: &LightTables, first: usize) -> Scatterers {
+    let Some(scatter) = &tables.scatter else { return Scatterers::default() };
     let transport = tables.transport.as_ref().map(|table| (table.nodes(), table.entries()));
-    to_fours(scattering, scatter, transport, Listed::weights(scattering))
+    listed(scattering, scatter, transport, Listed::weights(scattering), first)
 }
 
 /// What paths look up: albedos are in the place of transport colours, and phase functions can be sampled.
-pub fn of_paths(scattering: &Scattering, tables: &Tables) -> Vec<Four> {
-    let Some(scatter) = &tables.light.scatter else { return Vec::new() };
+pub fn of_paths(scattering: &Scattering, tables: &Tables, first: usize) -> Scatterers {
+    let Some(scatter) = &tables.light.scatter else { return Scatterers::default() };
     let nodes = tables.table.nodes();
     let albedo = |(node, entry): (usize, &Four)| four(scattering.at(nodes.value(node), *entry).albedo);
     let albedos: Vec<_> = tables.table.entries().iter().enumerate().map(albedo).collect();
-    to_fours(scattering, scatter, Some((nodes, &albedos)), Listed::sampled(scattering))
+    listed(scattering, scatter, Some((nodes, &albedos)), Listed::sampled(scattering), first)
 }
 
-/// The structure's numbers, and the tables behind it.
-fn to_fours(
+fn listed(
     scattering: &Scattering,
     scatter: &ScatterTable,
     colors: Option<(&Nodes, &[Four])>,
     listed: Listed,
-) -> Vec<Four> {
+    first: usize,
+) -> Scatterers {
     let mut entries = Vec::new();
-    let properties = append(&mut entries, scatter.nodes(), scatter.entries());
-    let colors = colors.map_or([0.0; 4], |(nodes, colors)| append(&mut entries, nodes, colors));
-    let angles = [0.0, 0.0, entries.len() as f32, listed.entries.len() as f32];
-    entries.extend(listed.entries);
-    let cosines = [entries.len() as f32, listed.cosines.len() as f32, 0.0, 0.0];
-    entries.extend(listed.cosines);
+    let mut append = |table: &[Four]| {
+        let place = (first + entries.len()) as f32;
+        entries.extend_from_slice(table);
+        [place, table.len() as f32]
+    };
+    let mut by_nodes = |nodes: &Nodes, table: &[Four]| {
+        let [place, count] = append(table);
+        [nodes.origin(), nodes.scale(), place, count]
+    };
+    let properties = by_nodes(scatter.nodes(), scatter.entries());
+    let colors = colors.map_or([0.0; 4], |(nodes, colors)| by_nodes(nodes, colors));
+    let [place, count] = append(&listed.entries);
+    let angles = [0.0, 0.0, place, count];
+    let [place, count] = append(&listed.cosines);
+    let cosines = [place, count, 0.0, 0.0];
     let is_renormalised = f32::from(scattering.phase_normalization == PhaseNormalization::Renormalised);
     let is_uniform = f32::from(scattering.anisotropy == Anisotropy::Uniform);
     let g = scattering.phase.anisotropy().unwrap_or(0.0);
@@ -71,15 +84,7 @@ fn to_fours(
     let is_told = is_uniform == 0.0 || matches!(scattering.surface, SurfaceShare::Values(_));
     let surfaces = [low, rise, f32::from(is_told), 0.0];
     let phase = [listed.kind, is_renormalised, g, is_uniform];
-    let header: [Four; HEADER] = [properties, colors, angles, phase, listed.back, cosines, listed.shares, surfaces];
-    header.into_iter().chain(entries).collect()
-}
-
-/// Puts a table behind the others; where its entries are.
-fn append(entries: &mut Vec<Four>, nodes: &Nodes, table: &[Four]) -> Four {
-    let first = entries.len() as f32;
-    entries.extend_from_slice(table);
-    [nodes.origin(), nodes.scale(), first, table.len() as f32]
+    ([properties, colors, angles, phase, listed.back, cosines, listed.shares, surfaces], entries)
 }
 
 /// A phase function by its angle, as far as it is not a formula.

@@ -7,6 +7,8 @@ use pellucid_optics::{LightShape, Material, Nodes, ResolvedLight};
 use pellucid_plan::blue_noise_shift;
 use pellucid_scene::{Jitter, Mode, Region, Slice, Stage, StageVolume};
 
+use crate::noise::Noise;
+use crate::scattering::HEADER;
 use crate::window::Window;
 
 type Four = [f32; 4];
@@ -45,7 +47,10 @@ pub struct Frame {
     pub dims: [u32; 4],
     pub blocks: [u32; 4],
     pub counts: [u32; 4],
-    pub noise: [u32; 4],
+    pub jitter: [u32; 4],
+    pub stack: [u32; 4],
+    pub scattering: [Four; HEADER],
+    pub noise: Noise,
 }
 
 /// What one pass draws.
@@ -151,7 +156,7 @@ impl Frame {
         }
         if let Jitter::BlueNoise { seed } = stage.quality.jitter {
             let [x, y] = blue_noise_shift(seed);
-            frame.noise = [x, y, 1, 0];
+            frame.jitter = [x, y, 1, 0];
         }
         frame
     }
@@ -284,7 +289,7 @@ fn rows(matrix: DMat3, last: DVec3) -> [Four; 3] {
 mod tests {
     use super::*;
     use crate::half_angle::Sweep;
-    use crate::noise::{Noise, Term};
+    use crate::noise::Term;
     use crate::path_trace::{Extent, Paths};
     use crate::shaders::{self, Constants, Linker, Traversal, Variant};
     use crate::slicing::SliceBox;
@@ -320,7 +325,8 @@ mod tests {
         let resolve = linked(Variant::of(shaders::Pass::Resolve));
         let frame = fields!(Frame: origin_middle origin_right origin_up direction_middle direction_right direction_up
             world_middle world_right world_up low high gradient_x gradient_y gradient_z world_x world_y world_z
-            picture values material limits plane plane_normal shadows chroma table size dims blocks counts noise);
+            picture values material limits plane plane_normal shadows chroma table size dims blocks counts
+            jitter stack scattering noise);
         assert_eq!(layout(&shaded, "Frame"), frame);
         assert_eq!(layout(&shaded, "Bounds"), fields!(Bounds: rows texture_low core_low core_high));
         assert_eq!(layout(&shaded, "Light"), fields!(Light: place radiance axis cone));

@@ -17,14 +17,14 @@ pub struct Uploads {
     of: Arc<Tables>,
     pass: Pass,
     bleeds: bool,
-    /// Colours and opacities, and where they are if their nodes are not even.
+    /// Colours and opacities, tables of scattering, and where the former are if their nodes are not even.
     pub entries: Buffer,
     /// What rays ask of blocks.
     pub blocks: TextureView,
     /// Noise on the volume, if there is some.
     pub perturbation: Option<UploadedNoise>,
-    /// How samples scatter: numbers and tables.
-    pub scattering: [Buffer; 2],
+    /// How samples scatter.
+    pub scattering: [[f32; 4]; HEADER],
     /// Isosurfaces.
     pub levels: Buffer,
     /// The tile of blue noise.
@@ -37,20 +37,15 @@ impl Uploads {
         let noise: Vec<f32> = (0..BLUE_NOISE_TILE * BLUE_NOISE_TILE)
             .map(|cell| blue_noise(cell % BLUE_NOISE_TILE, cell / BLUE_NOISE_TILE, 0) as f32)
             .collect();
-        let mut scattering = optics.scattering();
-        scattering.resize(scattering.len().max(HEADER), [0.0; 4]);
-        let (header, tables_of_scattering) = scattering.split_at(HEADER);
+        let (scattering, scattered) = optics.scattering();
         Self {
             of: tables.clone(),
             pass: optics.pass,
             bleeds: optics.bleeds,
-            entries: storage(device, "table", &[&*optics.entries, optics.nodes.knots()].concat()),
+            entries: storage(device, "table", &[&*optics.entries, &scattered, optics.nodes.knots()].concat()),
             blocks: block_texture(device, optics.blocks, optics.pass.compares_extremes()),
             perturbation: UploadedNoise::new(device, tables),
-            scattering: [
-                device.constant_buffer("scattering", cast_slice(header)),
-                storage(device, "scattered", tables_of_scattering),
-            ],
+            scattering,
             levels: storage(device, "levels", &optics.levels),
             blue_noise: texture::flat(
                 device,

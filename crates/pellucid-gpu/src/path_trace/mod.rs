@@ -89,7 +89,7 @@ impl<'a> PathTracer<'a> {
             // Paths are spread over each pixel anyway.
             frame.picture[0] = stage.viewpoint.width as f32 / 2.0;
             frame.picture[1] = stage.viewpoint.height as f32 / 2.0;
-            (frame.size[2], frame.noise[2]) = (1, 0);
+            (frame.size[2], frame.jitter[2]) = (1, 0);
         };
         let bindings =
             Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter);

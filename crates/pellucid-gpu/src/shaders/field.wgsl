@@ -4,7 +4,7 @@
 #import pellucid::frame::{frame, bounds}
 #import pellucid::ray::planes
 #ifdef PERTURBED
-#import pellucid::noise::{amplitude_at, displaced, displaces, noise}
+#import pellucid::noise::{amplitude_at, displaced, displaces}
 #endif
 #ifdef KERNELS
 #import pellucid::kernel::{kernels, weight, MOST_FOURS, MOST_GRADIENT_TAPS}
@@ -16,7 +16,7 @@
 
 // A position in the stack: in its layers, and along them.
 fn in_stack(p: vec3<f32>) -> vec3<f32> {
-    switch frame.noise.w {
+    switch frame.stack.x {
         case 0u: { return p.yzx; }
         case 1u: { return p.xzy; }
         default: { return p; }
@@ -214,7 +214,7 @@ fn still_value(p: vec3<f32>) -> f32 {
 fn source_of(p: vec3<f32>) -> vec3<f32> {
 #ifdef PERTURBED
     var part = select(0.0, 1.0, displaces());
-    if displaces() && noise.between.z != 0.0 {
+    if displaces() && frame.noise.between.z != 0.0 {
         let value = still_value(p);
         part = select(0.0, amplitude_at(value), is_present(value));
     }
@@ -412,14 +412,14 @@ fn displaced_gradient(p: vec3<f32>) -> vec3<f32> {
     }
     for (var axis = 0u; axis < 3u; axis += 1u) {
         var step = vec3<f32>(0.0);
-        step[axis] = noise.spacing[axis];
+        step[axis] = frame.noise.spacing[axis];
         let before = tap(p - step);
         let after = tap(p + step);
         let has_before = is_present(before);
         let has_after = is_present(after);
         let down = select(select(0.0, after - center, has_after), center - before, has_before);
         let up = select(down, after - center, has_after);
-        g[axis] = (up + down) * 0.5 / noise.spacing[axis];
+        g[axis] = (up + down) * 0.5 / frame.noise.spacing[axis];
     }
     return world_gradient(g);
 }

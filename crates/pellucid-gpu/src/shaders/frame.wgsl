@@ -1,6 +1,51 @@
 // What a frame is drawn with. `uniforms.rs` has the same structures; a test compares their layouts.
 #define_import_path pellucid::frame
 
+// A noise in a sum.
+struct Term {
+    // Texels of the noise per voxel along each axis; the factor in w.
+    scale: vec4<f32>,
+    // The texel at voxel 0.
+    start: vec4<f32>,
+}
+
+// What moves and varies a volume.
+struct Noise {
+    // Voxels that a noise of 1 moves by, and that nothing moves further than.
+    amplitude: vec4<f32>,
+    reach: vec4<f32>,
+    // Voxels between a position and the taps of its gradient.
+    spacing: vec4<f32>,
+    // Data values at which nothing and everything moves; 1 if that depends on them.
+    between: vec4<f32>,
+    // How much extinction, colour and transport vary.
+    weights: vec4<f32>,
+    // Terms that displace, and that vary: they are behind the former.
+    counts: vec4<u32>,
+    terms: array<Term, 16>,
+}
+
+// How samples scatter light (`scattering.rs`).
+struct Scattering {
+    // Where the entries of a table are: node = (value - x) * y; the first entry's place, and how many there are.
+    // Anisotropy and surfaces; transport colours, for paths the albedo; the phase function by its angle.
+    properties: vec4<f32>,
+    transport: vec4<f32>,
+    angles: vec4<f32>,
+    // Which formula the phase function has; 1 if its weights are relative to its peak; the anisotropy; 1 if that
+    // is the same everywhere.
+    phase: vec4<f32>,
+    // What is thrown back, over the forward lobe's peak, integrated over all directions.
+    back: vec4<f32>,
+    // Cosines between which directions are equally likely, of a phase function that is listed: the first one's
+    // place, and how many there are; factor of its weights that makes them shares per steradian.
+    cosines: vec4<f32>,
+    shares: vec4<f32>,
+    // Gradient magnitude where surfaces begin, one over the width of their rise; 1 if values tell of anisotropy or
+    // surfaces.
+    surfaces: vec4<f32>,
+}
+
 struct Frame {
     // Where rays cross the base plane, in voxels from the grid's first: at the picture's middle, and
     // per unit to the right and up. `w` of the first is the base plane's distance from the eye, in steps.
@@ -53,8 +98,12 @@ struct Frame {
     blocks: vec4<u32>,
     // Lights, clip planes, isosurfaces; 1 if surfaces are lit on both sides.
     counts: vec4<u32>,
-    // Shift of the blue noise; 1 if rays are jittered by it; the axis across which a stack of 2D textures lies.
-    noise: vec4<u32>,
+    // Shift of the blue noise; 1 if rays are jittered by it.
+    jitter: vec4<u32>,
+    // The axis across which a stack of 2D textures lies.
+    stack: vec4<u32>,
+    scattering: Scattering,
+    noise: Noise,
 }
 
 // What one pass draws.

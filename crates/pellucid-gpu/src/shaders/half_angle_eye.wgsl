@@ -12,7 +12,6 @@
 #import pellucid::surface::gradient_of_surface
 #import pellucid::sweep::{in_picture, layer_of, load_sweep, loss, on_plane, passage_of, sweep, Crossing, Passage}
 #import pellucid::table::{each_color, opacity_over, over, over_length}
-#import pellucid::scatter::load_scattering
 #ifdef TRANSPORT
 #import pellucid::scatter::transported
 #endif
@@ -81,7 +80,6 @@ fn seen(passage: Passage, matter: Matter, slab: u32, ray: Ray) -> vec4<f32> {
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     load_sweep();
-    load_scattering();
     // How many slabs are looked at between two looks at the blocks.
     const RUN: u32 = 4u;
     let turn = turn_of(id.xy);

@@ -9,7 +9,7 @@
 #endif
 #import pellucid::table::{each_color, each_opacity, opacity_over}
 #ifdef TRANSPORT
-#import pellucid::scatter::{load_scattering, transported}
+#import pellucid::scatter::transported
 #endif
 
 // What is lost behind the slab.
@@ -40,9 +40,6 @@ fn held_at(place: vec2<f32>) -> f32 {
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     load_sweep();
-#ifdef TRANSPORT
-    load_scattering();
-#endif
     let id = invocation.xy + bounds.core_low.xy;
     if any(id >= bounds.core_high.xy) {
         return;

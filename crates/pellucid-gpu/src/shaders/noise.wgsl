@@ -2,36 +2,21 @@
 // of `pellucid-optics`, which defines it.
 #define_import_path pellucid::noise
 
-#import pellucid::frame::frame
-
-struct Term {
-    // Texels of the noise per voxel along each axis; the factor in w.
-    scale: vec4<f32>,
-    // The texel at voxel 0.
-    start: vec4<f32>,
-}
-
-struct Noise {
-    // Voxels that a noise of 1 moves by, and that nothing moves further than.
-    amplitude: vec4<f32>,
-    reach: vec4<f32>,
-    // Voxels between a position and the taps of its gradient.
-    spacing: vec4<f32>,
-    // Data values at which nothing and everything moves; 1 if that depends on them.
-    between: vec4<f32>,
-    // How much extinction, colour and transport vary.
-    weights: vec4<f32>,
-    // Terms that displace, and that vary: they are behind the former.
-    counts: vec4<u32>,
-    terms: array<Term, 16>,
-}
+#import pellucid::frame::{frame, Term}
+#ifdef LOADED_CONSTANTS
+#import pellucid::frame::stored_frame
+#endif
 
 @group(1) @binding(5) var noise_texels: texture_3d<f32>;
-#ifdef STORED_CONSTANTS
-@group(1) @binding(6) var<storage, read> noise: Noise;
+
+fn term_of(number: u32) -> Term {
+#ifdef LOADED_CONSTANTS
+    // What has no fixed place in registers is read where it is.
+    return stored_frame.noise.terms[number];
 #else
-@group(1) @binding(6) var<uniform> noise: Noise;
+    return frame.noise.terms[number];
 #endif
+}
 
 fn texel(cell: vec3<i32>) -> vec4<f32> {
     return textureLoad(noise_texels, cell & vec3<i32>(31), 0) * 2.0 - 1.0;
@@ -41,7 +26,7 @@ fn texel(cell: vec3<i32>) -> vec4<f32> {
 fn turbulence(first: u32, end: u32, p: vec3<f32>) -> vec4<f32> {
     var sum = vec4<f32>(0.0);
     for (var i = first; i < end; i += 1u) {
-        let term = noise.terms[i];
+        let term = term_of(i);
         let place = p * term.scale.xyz + term.start.xyz;
         let cell = floor(place);
         let part = place - cell;
@@ -63,39 +48,39 @@ fn turbulence(first: u32, end: u32, p: vec3<f32>) -> vec4<f32> {
 
 // Whether anything moves.
 fn displaces() -> bool {
-    return noise.counts.x > 0u;
+    return frame.noise.counts.x > 0u;
 }
 
 // Where what is drawn at a position comes from, by the part of the amplitude there: towards a face of the box, the
 // shift across it fades to nothing.
 fn displaced(p: vec3<f32>, part: f32) -> vec3<f32> {
-    let shift = turbulence(0u, noise.counts.x, p).xyz;
-    let room = max(min(p - frame.low.xyz, frame.high.xyz - p), vec3<f32>(0.0)) / noise.reach.xyz;
-    return p + noise.amplitude.xyz * part * min(room, vec3<f32>(1.0)) * shift;
+    let shift = turbulence(0u, frame.noise.counts.x, p).xyz;
+    let room = max(min(p - frame.low.xyz, frame.high.xyz - p), vec3<f32>(0.0)) / frame.noise.reach.xyz;
+    return p + frame.noise.amplitude.xyz * part * min(room, vec3<f32>(1.0)) * shift;
 }
 
 // The part of the amplitude at a data value.
 fn amplitude_at(value: f32) -> f32 {
-    return smoothstep(0.0, 1.0, (value - noise.between.x) / (noise.between.y - noise.between.x));
+    return smoothstep(0.0, 1.0, (value - frame.noise.between.x) / (frame.noise.between.y - frame.noise.between.x));
 }
 
 // The noise that varies optics at a position, within -1 and 1.
 fn variation_at(p: vec3<f32>) -> vec4<f32> {
-    let end = noise.counts.x + noise.counts.y;
-    return clamp(turbulence(noise.counts.x, end, p), vec4<f32>(-1.0), vec4<f32>(1.0));
+    let end = frame.noise.counts.x + frame.noise.counts.y;
+    return clamp(turbulence(frame.noise.counts.x, end, p), vec4<f32>(-1.0), vec4<f32>(1.0));
 }
 
 // The factor of the extinction: full opacity, which is an infinite extinction, stays what it is.
 fn varied_extinction(variation: vec4<f32>) -> f32 {
-    return max(1.0 + noise.weights.x * variation.a, 1e-6);
+    return max(1.0 + frame.noise.weights.x * variation.a, 1e-6);
 }
 
 // A colour: each channel times 1 and more or less, no more than `most` unless it was.
 fn varied_color(variation: vec4<f32>, color: vec3<f32>, most: f32) -> vec3<f32> {
-    return min(color * (1.0 + noise.weights.y * variation.rgb), max(color, vec3<f32>(most)));
+    return min(color * (1.0 + frame.noise.weights.y * variation.rgb), max(color, vec3<f32>(most)));
 }
 
 // Factors of the indirect attenuation.
 fn varied_transport(variation: vec4<f32>) -> vec3<f32> {
-    return 1.0 + noise.weights.z * variation.rgb;
+    return 1.0 + frame.noise.weights.z * variation.rgb;
 }

@@ -8,7 +8,7 @@
 #import pellucid::random::{random, random_depth}
 #import pellucid::table::classify
 #ifdef PERTURBED
-#import pellucid::noise::{noise, variation_at, varied_color, varied_extinction}
+#import pellucid::noise::{variation_at, varied_color, varied_extinction}
 #endif
 
 struct Paths {
@@ -137,7 +137,7 @@ fn advance(walk: ptr<function, Walk>, flight: Flight, distance_to_next: f32) -> 
 fn matter_at(p: vec3<f32>, value: f32) -> vec4<f32> {
     let matter = classify(value);
 #ifdef PERTURBED
-    if noise.counts.y > 0u {
+    if frame.noise.counts.y > 0u {
         let variation = variation_at(p);
         return vec4<f32>(varied_color(variation, matter.rgb, 1.0), matter.a * varied_extinction(variation));
     }

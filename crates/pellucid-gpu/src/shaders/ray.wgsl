@@ -165,8 +165,8 @@ fn ray_of(pixel: vec2<u32>, sub: u32) -> Ray {
     ray.count = select(0.0, count, t0 < t1);
     ray.last_ratio = min(whole - (count - 1.0), 1.0);
     ray.jitter = 0.5;
-    if frame.noise.z != 0u {
-        let cell = (pixel + frame.noise.xy) % 64u;
+    if frame.jitter.z != 0u {
+        let cell = (pixel + frame.jitter.xy) % 64u;
         // The rays of one pixel differ by the golden ratio, which spreads any number evenly.
         ray.jitter = fract(textureLoad(blue_noise, cell, 0).x + f32(sub) * 0.618034);
     }

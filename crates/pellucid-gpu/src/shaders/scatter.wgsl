@@ -1,41 +1,11 @@
-// How samples scatter the light of sources once (6.2, K-07): the tables of `scattering.rs`.
+// How samples scatter the light of sources once (6.2, K-07): the tables of `frame.scattering.rs`.
 #define_import_path pellucid::scatter
 
+#import pellucid::frame::frame
+#import pellucid::table::entries
 #ifdef PERTURBED
-#import pellucid::noise::{noise, variation_at, varied_transport}
+#import pellucid::noise::{variation_at, varied_transport}
 #endif
-
-struct Scattering {
-    // Where the entries of a table are: node = (value - x) * y; the first entry's place, and how many there are.
-    // Anisotropy and surfaces; transport colours, for paths the albedo; the phase function by its angle.
-    properties: vec4<f32>,
-    transport: vec4<f32>,
-    angles: vec4<f32>,
-    // Which formula the phase function has; 1 if its weights are relative to its peak; the anisotropy; 1 if that
-    // is the same everywhere.
-    phase: vec4<f32>,
-    // What is thrown back, over the forward lobe's peak, integrated over all directions.
-    back: vec4<f32>,
-    // Cosines between which directions are equally likely, of a phase function that is listed: the first one's
-    // place, and how many there are; factor of its weights that makes them shares per steradian.
-    cosines: vec4<f32>,
-    shares: vec4<f32>,
-    // Gradient magnitude where surfaces begin, one over the width of their rise; 1 if values tell of anisotropy or
-    // surfaces.
-    surfaces: vec4<f32>,
-}
-
-#ifdef LOADED_CONSTANTS
-@group(2) @binding(1) var<storage, read> stored_scattering: Scattering;
-var<private> scattering: Scattering;
-#else
-#ifdef STORED_CONSTANTS
-@group(2) @binding(1) var<storage, read> scattering: Scattering;
-#else
-@group(2) @binding(1) var<uniform> scattering: Scattering;
-#endif
-#endif
-@group(2) @binding(2) var<storage, read> scattered: array<vec4<f32>>;
 
 const PI: f32 = 3.14159265;
 
@@ -51,43 +21,36 @@ struct Scatterer {
     surface: f32,
 }
 
-// As `load_frame`.
-fn load_scattering() {
-#ifdef LOADED_CONSTANTS
-    scattering = stored_scattering;
-#endif
-}
-
 // A table at a position among its nodes.
 fn entry(table: vec4<f32>, position: f32) -> vec4<f32> {
     let place = clamp(position, 0.0, table.w - 1.0);
     let node = min(u32(place), u32(table.w) - 2u);
     let first = u32(table.z) + node;
-    return mix(scattered[first], scattered[first + 1u], place - f32(node));
+    return mix(entries[first], entries[first + 1u], place - f32(node));
 }
 
 // What a sample of a value is.
 fn scatterer_of(value: f32) -> Scatterer {
-    if scattering.surfaces.z == 0.0 {
-        return Scatterer(scattering.phase.z, 0.0);
+    if frame.scattering.surfaces.z == 0.0 {
+        return Scatterer(frame.scattering.phase.z, 0.0);
     }
-    let table = scattering.properties;
+    let table = frame.scattering.properties;
     let found = entry(table, (value - table.x) * table.y);
-    return Scatterer(select(found.x, scattering.phase.z, scattering.phase.w != 0.0), found.y);
+    return Scatterer(select(found.x, frame.scattering.phase.z, frame.scattering.phase.w != 0.0), found.y);
 }
 
 // The part of a sample that its gradient makes a surface.
 fn gradient_share(magnitude: f32) -> f32 {
-    return smoothstep(0.0, 1.0, (magnitude - scattering.surfaces.x) * scattering.surfaces.y);
+    return smoothstep(0.0, 1.0, (magnitude - frame.scattering.surfaces.x) * frame.scattering.surfaces.y);
 }
 
 // What gets through of indirect light over so many steps of a value at a position (K-08).
 fn transported(p: vec3<f32>, value: f32, steps: f32) -> vec3<f32> {
-    let table = scattering.transport;
+    let table = frame.scattering.transport;
     let one = entry(table, (value - table.x) * table.y).rgb;
     var lengths = vec3<f32>(steps);
 #ifdef PERTURBED
-    if noise.counts.y > 0u {
+    if frame.noise.counts.y > 0u {
         lengths *= varied_transport(variation_at(p));
     }
 #endif
@@ -108,27 +71,27 @@ fn schlick(g: f32, mu: f32) -> f32 {
 
 // The share of light per steradian that turns by an angle of cosine `mu`: `Phase::eval`.
 fn phase_value(g: f32, mu: f32) -> vec3<f32> {
-    switch u32(scattering.phase.x) {
+    switch u32(frame.scattering.phase.x) {
         case 1u: { return vec3<f32>(henyey_greenstein(g, mu)); }
         case 2u: { return vec3<f32>(schlick(g, mu)); }
-        default: { return listed_value(mu) * scattering.shares.rgb; }
+        default: { return listed_value(mu) * frame.scattering.shares.rgb; }
     }
 }
 
 fn cosine_at(number: u32) -> f32 {
-    return scattered[u32(scattering.cosines.x) + number].x;
+    return entries[u32(frame.scattering.cosines.x) + number].x;
 }
 
 // The density per steradian with which `phase_cosine` chooses directions.
 fn phase_density(g: f32, mu: f32) -> f32 {
-    switch u32(scattering.phase.x) {
+    switch u32(frame.scattering.phase.x) {
         case 1u: { return henyey_greenstein(g, mu); }
         case 2u: { return schlick(g, mu); }
         default: {}
     }
     // Cosines ascend; those between two neighbours are equally likely.
     var low = 0u;
-    var high = u32(scattering.cosines.y) - 1u;
+    var high = u32(frame.scattering.cosines.y) - 1u;
     while high - low > 1u {
         let middle = (low + high) / 2u;
         if cosine_at(middle) <= mu {
@@ -138,13 +101,13 @@ fn phase_density(g: f32, mu: f32) -> f32 {
         }
     }
     let width = max(cosine_at(high) - cosine_at(low), 1e-9);
-    return 1.0 / (2.0 * PI * width * (scattering.cosines.y - 1.0));
+    return 1.0 / (2.0 * PI * width * (frame.scattering.cosines.y - 1.0));
 }
 
 // A cosine distributed as `phase_density`, from a number in 0..1.
 fn phase_cosine(g: f32, u: f32) -> f32 {
     let t = 2.0 * u - 1.0;
-    switch u32(scattering.phase.x) {
+    switch u32(frame.scattering.phase.x) {
         case 1u: {
             let numerator = 2.0 * t + g * (3.0 + t * t + g * (2.0 * t + g * (t * t - 1.0)));
             let rest = 1.0 + g * t;
@@ -155,8 +118,8 @@ fn phase_cosine(g: f32, u: f32) -> f32 {
             return clamp((t + k) / (1.0 + k * t), -1.0, 1.0);
         }
         default: {
-            let place = u * (scattering.cosines.y - 1.0);
-            let node = min(u32(place), u32(scattering.cosines.y) - 2u);
+            let place = u * (frame.scattering.cosines.y - 1.0);
+            let node = min(u32(place), u32(frame.scattering.cosines.y) - 2u);
             return mix(cosine_at(node), cosine_at(node + 1u), place - f32(node));
         }
     }
@@ -164,14 +127,14 @@ fn phase_cosine(g: f32, u: f32) -> f32 {
 
 // What is listed by angle.
 fn listed_value(mu: f32) -> vec3<f32> {
-    let table = scattering.angles;
+    let table = frame.scattering.angles;
     return entry(table, acos(clamp(mu, -1.0, 1.0)) / PI * (table.w - 1.0)).rgb;
 }
 
 // The factor of a light's radiance where its way turns by an angle of cosine `mu`: `Phase::weight`.
 fn phase_weight(g: f32, mu: f32) -> vec3<f32> {
-    let kind = scattering.phase.x;
-    let is_renormalised = scattering.phase.y != 0.0;
+    let kind = frame.scattering.phase.x;
+    let is_renormalised = frame.scattering.phase.y != 0.0;
     let forward = select(-1.0, 1.0, g >= 0.0);
     if kind == SCHLICK {
         let lobe = schlick(g, mu);
@@ -190,6 +153,6 @@ fn phase_weight(g: f32, mu: f32) -> vec3<f32> {
         return vec3<f32>(lobe / peak) + listed;
     }
     // What is thrown back is listed over the peak: 0 but for hybrids.
-    let share = 1.0 / (1.0 + scattering.back.rgb * peak);
+    let share = 1.0 / (1.0 + frame.scattering.back.rgb * peak);
     return share * PI * (lobe + peak * listed);
 }

@@ -1,15 +1,16 @@
 // Classified samples by where they are: as they are, or under noise (K-23).
 #define_import_path pellucid::vary
 
+#import pellucid::frame::frame
 #import pellucid::table::over_length
 #ifdef PERTURBED
-#import pellucid::noise::{noise, variation_at, varied_color, varied_extinction}
+#import pellucid::noise::{variation_at, varied_color, varied_extinction}
 #endif
 
 // An associated colour of any length at a position in voxels.
 fn varied(p: vec3<f32>, rgba: vec4<f32>) -> vec4<f32> {
 #ifdef PERTURBED
-    if noise.counts.y == 0u {
+    if frame.noise.counts.y == 0u {
         return rgba;
     }
     let variation = variation_at(p);

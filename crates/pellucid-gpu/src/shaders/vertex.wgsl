@@ -7,9 +7,9 @@
 #import pellucid::random::random
 #import pellucid::table::node_of
 #ifdef PERTURBED
-#import pellucid::noise::{noise, variation_at, varied_color}
+#import pellucid::noise::{variation_at, varied_color}
 #endif
-#import pellucid::scatter::{PI, entry, scattering, scatterer_of, phase_value, phase_weight, phase_density, phase_cosine}
+#import pellucid::scatter::{PI, entry, scatterer_of, phase_value, phase_weight, phase_density, phase_cosine}
 
 struct Vertex {
     // Scattering albedo, or the surface's colour; the anisotropy.
@@ -40,9 +40,9 @@ fn turned_by(axis: vec3<f32>, mu: f32, across: f32, turn: f32) -> vec3<f32> {
 // How a sample of the medium scatters.
 fn cloud_vertex(p: vec3<f32>, value: f32, forward: vec3<f32>) -> Vertex {
     // Albedos are at the nodes of the transfer function's table.
-    var albedo = entry(scattering.transport, node_of(value)).rgb;
+    var albedo = entry(frame.scattering.transport, node_of(value)).rgb;
 #ifdef PERTURBED
-    if noise.counts.y > 0u {
+    if frame.noise.counts.y > 0u {
         albedo = varied_color(variation_at(p), albedo, 1.0);
     }
 #endif

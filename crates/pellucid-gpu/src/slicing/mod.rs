@@ -121,9 +121,9 @@ impl<'a> Slicer<'a> {
         let lattice = Lattice::new(stage, grid, slicing);
         let alter = |frame: &mut uniforms::Frame| {
             if !lattice.jitters() {
-                frame.noise[2] = 0;
+                frame.jitter[2] = 0;
             }
-            frame.noise[3] = lattice.axis.unwrap_or(0) as u32;
+            frame.stack[0] = lattice.axis.unwrap_or(0) as u32;
         };
         let mut bindings =
             Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter);
