@@ -10,13 +10,14 @@ use crate::dispatch::Bound;
 use crate::drawing::Interpolation;
 use crate::groups::{Groups, Named};
 use crate::kernels::Kernels;
+use crate::lights::Light;
 use crate::noise::Noise;
 use crate::optics::{Optics, lights};
 use crate::passes::PassBuffer;
 use crate::pipelines::Pipeline;
 use crate::resident::Resident;
 use crate::shaders::Variant;
-use crate::uniforms::{self, Frame, Light};
+use crate::uniforms::{self, Frame};
 use crate::uploads::{Uploads, storage};
 use crate::window::Window;
 use crate::{Device, texture};
@@ -87,7 +88,7 @@ impl<'a> Bindings<'a> {
             frame.set_blocks(blocks.dims, blocks.size);
         }
         alter(&mut frame);
-        let lights: Vec<Light> = stage.lights.iter().map(Light::from).collect();
+        let lights: Vec<Light> = stage.lights.iter().map(|light| Light::new(light, &volume.scattering)).collect();
         let parts = [
             device.constant_buffer("frame", bytes_of(&frame)),
             storage(device, "planes", &uniforms::planes(&region, grid)),

@@ -15,6 +15,7 @@ mod groups;
 mod half_angle;
 mod kernels;
 mod light_volume;
+mod lights;
 mod noise;
 mod optics;
 mod pace;

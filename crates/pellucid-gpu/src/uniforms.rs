@@ -1,9 +1,9 @@
-//! What shaders are told of a frame and of a pass: the structures of `frame.wgsl` and `light.wgsl`.
+//! What shaders are told of a frame and of a pass: the structures of `frame.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 use pellucid_field::Grid;
-use pellucid_optics::{LightShape, Material, Nodes, ResolvedLight};
+use pellucid_optics::{Material, Nodes};
 use pellucid_plan::blue_noise_shift;
 use pellucid_scene::{Jitter, Mode, Region, Slice, Stage, StageVolume};
 
@@ -65,16 +65,6 @@ pub struct Bounds {
     pub core_low: [u32; 4],
     /// To.
     pub core_high: [u32; 4],
-}
-
-/// A light.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct Light {
-    pub place: Four,
-    pub radiance: Four,
-    pub axis: Four,
-    pub cone: Four,
 }
 
 /// An isosurface.
@@ -258,24 +248,6 @@ pub fn planes(region: &Region, grid: &Grid) -> Vec<Four> {
     region.half_spaces().iter().map(plane).collect()
 }
 
-impl From<&ResolvedLight> for Light {
-    fn from(light: &ResolvedLight) -> Self {
-        let [r, g, b] = light.radiance();
-        let radiance = [r, g, b, f32::from(u8::from(light.is_specular()))];
-        match light.shape() {
-            LightShape::Directional { to_light } => {
-                Self { place: to_light.extend(0.0).to_array(), radiance, ..Self::default() }
-            }
-            LightShape::Local { position, reference, cone } => {
-                let place = position.extend(1.0).to_array();
-                let axis = cone.map_or([0.0; 4], |cone| cone.axis.extend(1.0).to_array());
-                let [inner, outer] = cone.map_or([0.0; 2], |cone| [cone.inner, cone.outer]);
-                Self { place, radiance, axis, cone: [inner, outer, reference.unwrap_or(0.0), 0.0] }
-            }
-        }
-    }
-}
-
 pub fn four(v: DVec3, w: f64) -> Four {
     v.extend(w).as_vec4().to_array()
 }
@@ -289,8 +261,9 @@ fn rows(matrix: DMat3, last: DVec3) -> [Four; 3] {
 mod tests {
     use super::*;
     use crate::half_angle::Sweep;
+    use crate::lights::{Extent, Light};
     use crate::noise::Term;
-    use crate::path_trace::{Extent, Paths};
+    use crate::path_trace::Paths;
     use crate::shaders::{self, Constants, Linker, Traversal, Variant};
     use crate::slicing::SliceBox;
     use std::mem::offset_of;
@@ -329,7 +302,7 @@ mod tests {
             jitter stack scattering noise);
         assert_eq!(layout(&shaded, "Frame"), frame);
         assert_eq!(layout(&shaded, "Bounds"), fields!(Bounds: rows texture_low core_low core_high));
-        assert_eq!(layout(&shaded, "Light"), fields!(Light: place radiance axis cone));
+        assert_eq!(layout(&shaded, "Light"), fields!(Light: place radiance axis cone extent));
         assert_eq!(layout(&shaded, "Level"), fields!(Level: color value));
         let sliced = linked(Variant { traversal: Traversal::Slices, ..Variant::of(shaders::Pass::Composite) });
         let pixels = Variant { traversal: Traversal::SlicePixels, ..Variant::of(shaders::Pass::Average) };

@@ -63,9 +63,9 @@ impl Uploads {
     }
 }
 
-/// A buffer that shaders read; never empty, as bindings cannot be.
+/// A buffer that shaders read; never smaller than an element, as bindings cannot be.
 pub fn storage<T: Pod>(device: &Device, label: &str, content: &[T]) -> Buffer {
-    let nothing = [0u8; 64];
+    let nothing = [0u8; 128];
     let contents = if content.is_empty() { &nothing } else { cast_slice(content) };
     device.buffer(label, contents, BufferUsages::STORAGE)
 }

@@ -9,7 +9,8 @@ use pellucid_optics::ResolvedLight;
 use pellucid_plan::half_angle::{Geometry, Ways, into_cone, taps};
 use pellucid_scene::{BlurScaling, HalfAngle, InScatter, LightCorrection, Stage, StageVolume};
 
-use crate::uniforms::{Light, four};
+use crate::lights::Light;
+use crate::uniforms::four;
 
 type Four = [f32; 4];
 
@@ -77,7 +78,7 @@ impl Sweep {
         let turn = TAU / f64::from(taps::count(settings).max(1));
         sweep.taps = [turn.cos() as f32, turn.sin() as f32, 1.0 / sides[0] as f32, 1.0 / sides[1] as f32];
         sweep.size = [frame.size[0], frame.size[1], slabs.count, 0].map(|n| n as u32);
-        sweep.light = light.into();
+        sweep.light = Light::new(light, &volume.scattering);
         let gate = match settings.in_scatter {
             InScatter::Indirect | InScatter::Direct => 0,
             InScatter::DirectFromMatter => 1,

@@ -1,7 +1,6 @@
 //! The path tracer: a path of light for every pixel at a time, until there are enough of them, as the CPU backend
 //! follows them. Random numbers are others, and so is the noise.
 
-mod extents;
 mod numbers;
 mod sky;
 
@@ -25,11 +24,10 @@ use crate::shaders::{Pass, Variant};
 use crate::targets::Targets;
 use crate::texture;
 use crate::uniforms;
-use crate::uploads::{Uploads, storage};
+use crate::uploads::Uploads;
 use crate::window::Window;
 use crate::{Device, GpuError};
 
-pub use extents::Extent;
 pub use numbers::Paths;
 pub use sky::bytes;
 
@@ -62,7 +60,6 @@ pub struct PathTracer<'a> {
     settings: &'a PathTrace,
     numbers: Buffer,
     majorants: TextureView,
-    extents: Buffer,
     sky: TextureView,
     trace: Pipeline,
     pixels: Pipeline,
@@ -102,7 +99,6 @@ impl<'a> PathTracer<'a> {
             [most * stage.step as f32, f32::from(majorants.leaps.distance(block))]
         };
         let blocks: Vec<[f32; 2]> = majorants.bounds.iter().enumerate().map(number).collect();
-        let extents: Vec<Extent> = stage.lights.iter().map(|light| Extent::new(light, &volume.scattering)).collect();
         if let Some(Sky::Image { map, .. }) = sky {
             kept.sky.get_or_insert_with(|| UploadedSky::new(device, map));
         }
@@ -114,7 +110,6 @@ impl<'a> PathTracer<'a> {
         Ok(Self {
             numbers: device.constant_buffer("paths", bytes_of(&numbers)),
             majorants: texture::solid(device, "majorants", TextureFormat::Rg32Float, dims, cast_slice(&blocks)),
-            extents: storage(device, "extents", &extents),
             sky,
             device,
             resident,
@@ -177,7 +172,6 @@ impl<'a> PathTracer<'a> {
         let sees = [
             states.clone(),
             ("paths", self.numbers.as_entire_binding()),
-            ("extents", self.extents.as_entire_binding()),
             ("majorants", BindingResource::TextureView(&self.majorants)),
             ("sky", BindingResource::TextureView(&self.sky)),
         ];

@@ -2,23 +2,11 @@
 #define_import_path pellucid::extent
 
 #import pellucid::frame::{frame, world_of}
-#import pellucid::light::{Incident, incident, lights, normalized}
+#import pellucid::light::{Extent, Incident, incident, lights, normalized}
 #import pellucid::paths::FAR_AWAY
 #import pellucid::random::random
 #import pellucid::scatter::PI
 #import pellucid::vertex::turned_by
-
-struct Extent {
-    // What it is; 1 if paths that were scattered find it as well; 1 if a face shines to both sides.
-    kind: vec4<u32>,
-    // The edges of a face.
-    first: vec4<f32>,
-    second: vec4<f32>,
-    // Out of the side of a face that shines, and its area; else the squared sine of a disc's angle, or a ball's radius.
-    normal: vec4<f32>,
-}
-
-@group(0) @binding(21) var<storage, read> extents: array<Extent>;
 
 const DISC: u32 = 1u;
 const BALL: u32 = 2u;
@@ -63,7 +51,7 @@ fn face_brightness(extent: Extent, way: vec3<f32>) -> f32 {
 // The directions in which a disc or a ball is seen: the squared sine of the angle from the middle to the edge, 0 if they
 // are but one, and one less its cosine.
 fn cap_of(number: u32, p: vec3<f32>) -> vec2<f32> {
-    let extent = extents[number];
+    let extent = lights[number].extent;
     var sine_squared = 0.0;
     if extent.kind.x == DISC {
         sine_squared = extent.normal.w;
@@ -79,7 +67,7 @@ fn cap_of(number: u32, p: vec3<f32>) -> vec2<f32> {
 
 // Steps to the near side of a ball, in a direction in which it is seen; a disc is far away.
 fn cap_distance(number: u32, p: vec3<f32>, direction: vec3<f32>) -> f32 {
-    let extent = extents[number];
+    let extent = lights[number].extent;
     if extent.kind.x != BALL {
         return FAR_AWAY;
     }
@@ -92,7 +80,7 @@ fn cap_distance(number: u32, p: vec3<f32>, direction: vec3<f32>) -> f32 {
 // Light from a random place of a light, were nothing in between.
 fn sample_light(number: u32, p: vec3<f32>) -> LightSample {
     let middle = incident(lights[number], p);
-    let extent = extents[number];
+    let extent = lights[number].extent;
     if extent.kind.x == 0u {
         let distance = select(FAR_AWAY, length(way_to(number, p)) / frame.picture.w, lights[number].place.w != 0.0);
         return LightSample(middle, distance, FAR_AWAY);
@@ -124,7 +112,7 @@ fn sample_light(number: u32, p: vec3<f32>) -> LightSample {
 fn light_seen(number: u32, p: vec3<f32>, direction: vec3<f32>) -> LightSeen {
     let beside = LightSeen(vec3<f32>(0.0), FAR_AWAY, 1.0);
     let middle = incident(lights[number], p);
-    let extent = extents[number];
+    let extent = lights[number].extent;
     if extent.kind.x == FACE {
         let to_middle = way_to(number, p);
         let cosine = face_cosine(extent, direction);

@@ -1,7 +1,7 @@
 // A path of light for each pixel, from the eye to where its light came from: `path.rs` of the CPU backend. The pass:
 // rows of the picture, the number of the path; 1 if it is the first.
 #import pellucid::frame::{frame, bounds}
-#import pellucid::extent::{extents, light_seen, sample_light}
+#import pellucid::extent::{light_seen, sample_light}
 #import pellucid::light::{lights, normal_of}
 #import pellucid::march::{new_state, states, DONE, HIT}
 #import pellucid::paths::{collide, leave_along, paths, to_voxels, transmittance, Flight, FAR_AWAY}
@@ -92,7 +92,7 @@ fn direct(p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
         direction = found.arriving.to_light;
         distance = found.distance;
         light = vertex_light(vertex, found.arriving, lights[chosen].radiance.w != 0.0);
-        if extents[chosen].kind.y != 0u {
+        if lights[chosen].extent.kind.y != 0u {
             light /= 1.0 + vertex_density(vertex, direction) * f32(sources) / found.density;
         }
     } else {
@@ -115,7 +115,7 @@ fn direct(p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
 fn lights_met(p: vec3<f32>, direction: vec3<f32>, way: f32, density: f32, sources: u32) -> vec3<f32> {
     var radiance = vec3<f32>(0.0);
     for (var i = 0u; i < frame.counts.x; i += 1u) {
-        if extents[i].kind.y != 0u {
+        if lights[i].extent.kind.y != 0u {
             let seen = light_seen(i, p, direction);
             if seen.distance <= way {
                 radiance += seen.radiance * (density / (density + seen.density / f32(sources)));
