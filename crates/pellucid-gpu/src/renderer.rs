@@ -363,7 +363,7 @@ mod tests {
         let mut scene = Scene::parse("[[volumes]]\nsource = \"memory\"", Format::Toml).unwrap();
         (scene.image.width, scene.image.height) = (16, 16);
         let (stage, _) = scene.resolve(&[volume]).unwrap();
-        let open = |choice| Device::open(&choice, &Ceiling { memory: Some(1400 << 10), texture_side: None });
+        let open = |choice| Device::open(&choice, &Ceiling { memory: Some(1400 << 10), ..Ceiling::default() });
         let device = open(AdapterChoice::Hardware).or_else(|_| open(AdapterChoice::Software)).unwrap();
         let mut gpu = GpuRenderer::on(device).with_interpolation(Interpolation::Exact);
         let whole = gpu.render(&stage, &Control::default()).unwrap();

@@ -25,10 +25,13 @@ impl Capabilities {
         .union(Features::TIMESTAMP_QUERY);
 
     pub(super) fn of(adapter: &wgpu::Adapter, ceiling: &Ceiling) -> Self {
-        let mut limits = Limits::default().or_better_values_from(&adapter.limits());
         let offered = adapter.limits();
+        let mut limits = Limits::default();
+        if !ceiling.guaranteed {
+            limits = limits.or_better_values_from(&offered);
+        }
         // An adapter below WebGPU's defaults is taken as it is.
-        limits.max_texture_dimension_3d = offered.max_texture_dimension_3d;
+        limits.max_texture_dimension_3d = limits.max_texture_dimension_3d.min(offered.max_texture_dimension_3d);
         if let Some(side) = ceiling.texture_side {
             limits.max_texture_dimension_3d = limits.max_texture_dimension_3d.min(side);
         }

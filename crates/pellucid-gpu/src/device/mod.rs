@@ -159,6 +159,8 @@ pub struct Ceiling {
     pub texture_side: Option<u32>,
     /// Most bytes of volumes, tables and targets at the same time.
     pub memory: Option<u64>,
+    /// No limit above those that WebGPU guarantees.
+    pub guaranteed: bool,
 }
 
 /// Keeps the first error; a lost device outranks what follows from it.

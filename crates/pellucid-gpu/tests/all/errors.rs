@@ -89,7 +89,7 @@ proptest! {
             _ => with_holes("marschner-lobb", [15, 13, 11]),
         };
         let stage = stage(&volume, MODES[mode].1, SIZE);
-        let ceiling = Ceiling { texture_side: Some(side), memory: Some(memory) };
+        let ceiling = Ceiling { texture_side: Some(side), memory: Some(memory), ..Ceiling::default() };
         let mut small = gpu(&ceiling);
         match small.render(&stage, &Control::default()) {
             Ok(found) => {

@@ -259,7 +259,7 @@ fn steps_adapt_as_on_the_processor() {
 /// Bricks have what wide kernels reach for, and strides go on from one to the next.
 #[test]
 fn bricks_change_no_filter_and_no_stride() {
-    let small = Ceiling { texture_side: Some(24), memory: None };
+    let small = Ceiling { texture_side: Some(24), ..Ceiling::default() };
     let (mut whole, mut bricked) = (gpu(&Ceiling::default()), gpu(&small));
     let (volume, tf) = waves();
     let filters = [

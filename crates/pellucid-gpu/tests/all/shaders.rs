@@ -1,11 +1,14 @@
-//! Every shader that can be asked for compiles: no graphics processor is needed to know.
+//! Every shader that can be asked for compiles, and needs no more than every device has: no graphics processor is needed
+//! to know.
 
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use pellucid_gpu::shaders::{Constants, Linker, Variant};
+use pellucid_gpu::shaders::{Constants, Linker, Variant, resources};
+use wgpu::naga::Module;
 use wgpu::naga::back::spv;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
+use wgpu::{BindingType, BufferBindingType, Limits};
 
 #[test]
 fn every_variant_is_valid() {
@@ -26,11 +29,31 @@ fn every_variant_is_valid() {
 
 fn check(linker: &mut Linker, number: usize, variant: &Variant) {
     // Where constants are is a matter of their declarations: a part of the shaders says enough.
-    let constants = if number.is_multiple_of(8) { Constants::Stored } else { Constants::Uniform };
+    let constants = if number.is_multiple_of(8) { Constants::Uniform } else { Constants::Stored };
     let module = linker.link(variant, constants).unwrap_or_else(|error| panic!("{error}"));
+    check_limits(variant, &module);
     // What drivers are given: writing it fails, or panics, where linking has lost an expression.
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
     let info = validator.validate(&module).unwrap_or_else(|error| panic!("{variant:?}: {error:?}"));
     let written = spv::write_vec(&module, &info, &spv::Options::default(), None);
     written.unwrap_or_else(|error| panic!("{variant:?}: {error}"));
+}
+
+/// A stage has as many resources on every device.
+fn check_limits(variant: &Variant, module: &Module) {
+    let used = resources(module).unwrap_or_else(|error| panic!("{variant:?}: {error}"));
+    let count = |kind: fn(&BindingType) -> bool| used.iter().filter(|resource| kind(&resource.ty)).count() as u32;
+    let stored = |ty: &_| matches!(ty, BindingType::Buffer { ty: BufferBindingType::Storage { .. }, .. });
+    let uniform = |ty: &_| matches!(ty, BindingType::Buffer { ty: BufferBindingType::Uniform, .. });
+    let limits = Limits::default();
+    let names: Vec<_> = used.iter().map(|resource| &resource.name).collect();
+    for (found, most) in [
+        (count(stored), limits.max_storage_buffers_per_shader_stage),
+        (count(uniform), limits.max_uniform_buffers_per_shader_stage),
+        (count(|ty| matches!(ty, BindingType::Texture { .. })), limits.max_sampled_textures_per_shader_stage),
+        (count(|ty| matches!(ty, BindingType::StorageTexture { .. })), limits.max_storage_textures_per_shader_stage),
+    ] {
+        assert!(found <= most, "{variant:?} has {found} of {most}: {names:?}");
+    }
+    assert!(!used.is_empty(), "{variant:?}");
 }

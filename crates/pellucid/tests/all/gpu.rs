@@ -135,3 +135,31 @@ fn the_processors_work_beside_an_adapter_has_the_threads_that_were_said() {
         assert!(!counts.is_empty() && counts.iter().all(|found| *found == count), "{counts:?}");
     }
 }
+
+#[test]
+fn what_every_device_has_is_enough() {
+    let mut usual = gpu(&Ceiling::default());
+    let mut least = gpu(&Ceiling { guaranteed: true, ..Ceiling::default() });
+    let limits = &least.device().capabilities.limits;
+    assert_eq!(limits.max_storage_buffers_per_shader_stage, 8);
+    let mut drawn = Vec::new();
+    for path in scenes() {
+        let (_, mut stage) = stage(&path);
+        if !Backend::Gpu.draws(&stage) {
+            continue;
+        }
+        let name = name_of(&path);
+        // Small pictures ask for as much of a device.
+        (stage.viewpoint.width, stage.viewpoint.height) = (stage.viewpoint.width / 4, stage.viewpoint.height / 4);
+        let [one, other] = [&mut usual, &mut least].map(|renderer| {
+            renderer.render(&stage, &Control::default()).unwrap_or_else(|error| panic!("{name}: {error}"))
+        });
+        assert_eq!(one.color, other.color, "{name}");
+        assert_eq!((one.depth, one.normal, one.samples), (other.depth, other.normal, other.samples), "{name}");
+        assert!(one.statistics.samples_visible > 0, "{name}");
+        drawn.push(name);
+    }
+    for technique in ["composite-", "half-angle-", "path-trace-", "shadow-rays-", "shadow-volume-", "slicing-"] {
+        assert!(drawn.iter().any(|name| name.starts_with(technique)), "no {technique} scene among {drawn:?}");
+    }
+}
