@@ -6,6 +6,7 @@ use pellucid_optics::SurfaceShare;
 use pellucid_scene::{Stage, StageVolume};
 use wgpu::{BindGroup, BindingResource, Buffer, FilterMode, Sampler, SamplerDescriptor, TextureFormat, TextureView};
 
+use crate::bounds::BoundsBuffer;
 use crate::dispatch::Bound;
 use crate::drawing::Interpolation;
 use crate::groups::{Groups, Named};
@@ -13,7 +14,6 @@ use crate::kernels::Kernels;
 use crate::lights::Light;
 use crate::noise::Noise;
 use crate::optics::{Optics, lights};
-use crate::passes::PassBuffer;
 use crate::pipelines::Pipeline;
 use crate::resident::Resident;
 use crate::shaders::Variant;
@@ -124,12 +124,12 @@ impl<'a> Bindings<'a> {
     }
 
     /// What a pipeline is told of the frame and its passes, with buffers and textures of its technique.
-    pub fn frame_group(&self, groups: &Groups, passes: &PassBuffer, own: &[Named]) -> BindGroup {
+    pub fn frame_group(&self, groups: &Groups, bounds: &BoundsBuffer, own: &[Named]) -> BindGroup {
         let [frame, planes, lights] = &self.parts;
         let Uploads { blue_noise, levels, .. } = self.uploads;
         let all = [("frame", frame), ("planes", planes), ("lights", lights), ("levels", levels)];
         let all = all.map(|(name, buffer)| (name, buffer.as_entire_binding()));
-        let more = [("bounds", passes.binding()), ("blue_noise", BindingResource::TextureView(blue_noise))];
+        let more = [("bounds", bounds.binding()), ("blue_noise", BindingResource::TextureView(blue_noise))];
         groups.frame().bind(self.device, &[&all[..], &more, own].concat())
     }
 
@@ -150,12 +150,12 @@ impl<'a> Bindings<'a> {
     pub fn bound<'p>(
         &self,
         pipeline: &'p Pipeline,
-        passes: &PassBuffer,
+        bounds: &BoundsBuffer,
         own: &[Named],
         textures: &[TextureView; 2],
     ) -> Bound<'p> {
         let Pipeline { pipeline, groups, .. } = pipeline;
-        let frame = self.frame_group(groups, passes, own);
+        let frame = self.frame_group(groups, bounds, own);
         Bound { pipeline, groups: [frame, self.volume_group(groups, textures), self.table_group(groups)] }
     }
 

@@ -6,6 +6,7 @@
 //! needed. What they compute is stated by the CPU backend; tests hold the pictures together.
 
 mod bindings;
+mod bounds;
 mod bricks;
 mod device;
 mod dispatch;
@@ -19,7 +20,6 @@ mod lights;
 mod noise;
 mod optics;
 mod pace;
-mod passes;
 mod path_trace;
 mod pipelines;
 mod plan;

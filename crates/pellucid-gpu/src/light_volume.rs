@@ -14,16 +14,15 @@ use wgpu::{
 };
 
 use crate::bindings::Bindings;
+use crate::bounds::{BoundsBuffer, LightBounds, PointBounds, Run};
 use crate::drawing::Drawing;
 use crate::groups::Named;
 use crate::half_angle::{self, Layers, Sweep};
 use crate::optics::Optics;
-use crate::passes::PassBuffer;
 use crate::pipelines::{Pipeline, Pipelines};
 use crate::resident::Resident;
 use crate::shaders::{Pass, Variant};
 use crate::texture::extent;
-use crate::uniforms;
 use crate::uploads::Uploads;
 use crate::{Device, GpuError};
 
@@ -190,31 +189,26 @@ impl Sweeper<'_> {
         let count = run + 1;
         let mut slot = None;
         let layers = Layers::kept(&mut slot, self.device, size, count);
-        let pass = |slab| uniforms::Bounds {
-            rows: [slab, 0, 0, 0],
-            core_high: [size[0], size[1], 0, 0],
-            ..uniforms::Bounds::default()
+        let pass = |slab| LightBounds { high: size, ..LightBounds::of(slab) };
+        let passes = BoundsBuffer::new(self.device, (0..slabs).map(pass));
+        let filled = |run: u32| PointBounds {
+            run: Run::of([run * RUN, slabs.min((run + 1) * RUN)], count),
+            size: self.dims,
+            first: number as u32 * self.dims[2],
         };
-        let [nx, ny, nz] = self.dims;
-        let filled = |run: u32| uniforms::Bounds {
-            rows: [number as u32 * nz, 0, 0, 0],
-            core_low: [run * RUN, slabs.min((run + 1) * RUN), count, run * RUN % count],
-            core_high: [nx, ny, nz, 0],
-            ..uniforms::Bounds::default()
-        };
-        let passes = PassBuffer::new(self.device, (0..slabs).map(pass).chain((0..runs).map(filled)));
+        let fills = BoundsBuffer::new(self.device, (0..runs).map(filled));
         let numbers = ("sweep", numbers.as_entire_binding());
         let texture = |name, view| (name, BindingResource::TextureView(view));
-        let bound = |pipeline, own: &[Named]| self.bindings.bound(pipeline, &passes, own, &self.textures);
+        let bound = |pipeline, bounds, own: &[Named]| self.bindings.bound(pipeline, bounds, own, &self.textures);
         let advance = |layer: u32| {
             let [before, _] = &layers.each[layer as usize];
             let [_, behind] = &layers.each[((layer + 1) % count) as usize];
             let own = [numbers.clone(), texture("lost", before), texture("next", behind)];
-            bound(&self.advance, &own)
+            bound(&self.advance, &passes, &own)
         };
         let advance: Vec<_> = (0..count).map(advance).collect();
         let own = [numbers.clone(), texture("lost", &layers.all), texture("points", self.points)];
-        let fill = bound(&self.fill, &own);
+        let fill = bound(&self.fill, &fills, &own);
         for run in 0..runs {
             if control.is_cancelled() {
                 return Err(GpuError::Cancelled);
@@ -228,7 +222,7 @@ impl Sweeper<'_> {
                 let texels = [size[0], size[1], 1];
                 advance[(slab % count) as usize].dispatch(&mut encoder, passes.offset(slab as usize), texels, None);
             }
-            fill.dispatch(&mut encoder, passes.offset((slabs + run) as usize), self.dims, None);
+            fill.dispatch(&mut encoder, fills.offset(run as usize), self.dims, None);
             self.device.queue.submit([encoder.finish()]);
             self.device.wait()?;
         }

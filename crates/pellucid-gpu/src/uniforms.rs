@@ -1,4 +1,4 @@
-//! What shaders are told of a frame and of a pass: the structures of `frame.wgsl`.
+//! What shaders are told of a frame: the structures of `frame.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
@@ -51,20 +51,6 @@ pub struct Frame {
     pub stack: [u32; 4],
     pub scattering: [Four; HEADER],
     pub noise: Noise,
-}
-
-/// What one pass draws.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Bounds {
-    /// First row, rows, number of the ray within its pixel, most looks at the blocks.
-    pub rows: [u32; 4],
-    /// First voxel of the volume's texture; 1 if rays start here.
-    pub texture_low: [u32; 4],
-    /// Cells whose samples are taken here: from.
-    pub core_low: [u32; 4],
-    /// To.
-    pub core_high: [u32; 4],
 }
 
 /// An isosurface.
@@ -260,6 +246,7 @@ fn rows(matrix: DMat3, last: DVec3) -> [Four; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bounds::{EyeBounds, LightBounds, PathBounds, PointBounds, RayBounds, Rows, Run};
     use crate::half_angle::Sweep;
     use crate::lights::{Extent, Light};
     use crate::noise::Term;
@@ -301,7 +288,9 @@ mod tests {
             picture values material limits plane plane_normal shadows chroma table size dims blocks counts
             jitter stack scattering noise);
         assert_eq!(layout(&shaded, "Frame"), frame);
-        assert_eq!(layout(&shaded, "Bounds"), fields!(Bounds: rows texture_low core_low core_high));
+        let rays = fields!(RayBounds: rows texture_low most_looks core_low list core_high list_length);
+        assert_eq!(layout(&shaded, "Bounds"), rays);
+        assert_eq!(layout(&shaded, "Rows"), fields!(Rows: first count ray begin));
         assert_eq!(layout(&shaded, "Light"), fields!(Light: place radiance axis cone extent));
         assert_eq!(layout(&shaded, "Level"), fields!(Level: color value));
         let sliced = linked(Variant { traversal: Traversal::Slices, ..Variant::of(shaders::Pass::Composite) });
@@ -314,9 +303,16 @@ mod tests {
             direction_right direction_up plane ways blur scales cone taps size counts light);
         let eye = linked(Variant::of(shaders::Pass::HalfAngleEye).canonical());
         assert_eq!(layout(&eye, "Sweep"), sweep);
+        assert_eq!(layout(&eye, "Bounds"), fields!(EyeBounds: rows run begin_sweep));
+        assert_eq!(layout(&eye, "Run"), fields!(Run: first end layers layer));
+        let light = linked(Variant { indirect: true, ..Variant::of(shaders::Pass::HalfAngleLight) }.canonical());
+        assert_eq!(layout(&light, "Bounds"), fields!(LightBounds: low high tap slab));
+        let points = linked(Variant::of(shaders::Pass::LightPoints).canonical());
+        assert_eq!(layout(&points, "Bounds"), fields!(PointBounds: run size first));
         let paths = fields!(Paths: counts more numbers top bottom picture picture_size surface chroma index_x index_y index_z lens_right lens_up);
         let trace = linked(Variant::of(shaders::Pass::PathTrace).canonical());
         assert_eq!(layout(&trace, "Paths"), paths);
+        assert_eq!(layout(&trace, "Bounds"), fields!(PathBounds: rows));
         assert_eq!(layout(&trace, "Extent"), fields!(Extent: kind first second normal));
         let noisy = Variant { perturbed: true, ..Variant::of(shaders::Pass::Composite) };
         let noisy = linked(noisy);

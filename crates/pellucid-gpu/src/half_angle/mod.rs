@@ -16,12 +16,12 @@ use pellucid_scene::{Control, Frame as Picture, HalfAngle, InScatter, Stage, Sta
 use wgpu::{BindingResource, Buffer, CommandEncoderDescriptor, Features};
 
 use crate::bindings::Bindings;
+use crate::bounds::{BoundsBuffer, EyeBounds, LightBounds, RayBounds, Rows, Run};
 use crate::dispatch::dispatch;
 use crate::drawing::{Drawing, Interpolation};
 use crate::groups::Named;
 use crate::optics::Optics;
 use crate::pace::Pace;
-use crate::passes::PassBuffer;
 use crate::pipelines::{Pipeline, Pipelines};
 use crate::resident::Resident;
 use crate::shaders::{Pass, Variant};
@@ -253,18 +253,15 @@ impl<'a> HalfAngleSlicer<'a> {
     ) -> Result<Option<f64>, GpuError> {
         let light = &self.lights[number];
         let (slabs, runs) = (light.areas.slabs.clone(), light.runs());
-        let passes = PassBuffer::new(
-            self.device,
-            slabs
-                .clone()
-                .map(|slab| self.light_pass(light, slab))
-                .chain((0..runs).map(|run| eye_pass(light, run, [row, rows, sub], number == 0)))
-                .chain([uniforms::Bounds { rows: [row, rows, sub, 0], ..uniforms::Bounds::default() }]),
-        );
+        let place = Rows::of([row, rows, sub]);
+        let passes = BoundsBuffer::new(self.device, slabs.clone().map(|slab| self.light_pass(light, slab)));
+        let looks = (0..runs).map(|run| eye_pass(light, run, place, number == 0));
+        let surface = EyeBounds { rows: place, ..EyeBounds::default() };
+        let looks = BoundsBuffer::new(self.device, looks.chain([surface]));
         let brick = self.resident.bricks[0];
         let textures = self.resident.textures(self.device, &brick, control)?;
         let light = &self.lights[number];
-        let bound = |pipeline, own: &[Named]| self.bindings.bound(pipeline, &passes, own, &textures);
+        let bound = |pipeline, bounds, own: &[Named]| self.bindings.bound(pipeline, bounds, own, &textures);
         let numbers = ("sweep", light.numbers.as_entire_binding());
         let held = ("held", BindingResource::TextureView(&layers.held));
         let advance: Vec<_> = (0..light.layers())
@@ -272,14 +269,15 @@ impl<'a> HalfAngleSlicer<'a> {
                 let [[before, _], [_, behind]] =
                     [layer, (layer + 1) % light.layers()].map(|layer| &layers.each[layer as usize]);
                 let [before, behind] = [before, behind].map(BindingResource::TextureView);
-                bound(&self.light, &[numbers.clone(), held.clone(), ("lost", before), ("next", behind)])
+                bound(&self.light, &passes, &[numbers.clone(), held.clone(), ("lost", before), ("next", behind)])
             })
             .collect();
-        let presence = self.presence.as_ref().map(|presence| bound(presence, &[numbers.clone(), held.clone()]));
+        let presence =
+            self.presence.as_ref().map(|presence| bound(presence, &passes, &[numbers.clone(), held.clone()]));
         let states = ("states", targets.states.as_entire_binding());
         let all = ("lost", BindingResource::TextureView(&layers.all));
-        let eye = bound(&self.eye, &[states.clone(), numbers.clone(), all]);
-        let surface = bound(&self.surface, &[states, numbers]);
+        let eye = bound(&self.eye, &looks, &[states.clone(), numbers.clone(), all]);
+        let surface = bound(&self.surface, &looks, &[states, numbers]);
         let pixels = [targets.width, rows, 1];
         let [width, height] = light.size();
         let mut busy = Some(0.0);
@@ -312,10 +310,10 @@ impl<'a> HalfAngleSlicer<'a> {
                     advance[(slab % light.layers()) as usize].dispatch(&mut encoder, offset, texels, begins);
                 }
                 let ends = writes(run == some.start && here.is_empty(), run + 1 == some.end);
-                eye.dispatch(&mut encoder, passes.offset(slabs.len() + run as usize), pixels, ends);
+                eye.dispatch(&mut encoder, looks.offset(run as usize), pixels, ends);
             }
             if next == runs {
-                surface.dispatch(&mut encoder, passes.offset(slabs.len() + runs as usize), pixels, None);
+                surface.dispatch(&mut encoder, looks.offset(runs as usize), pixels, None);
             }
             if let Some(timer) = timer {
                 timer.copy(&mut encoder, 1);
@@ -329,24 +327,16 @@ impl<'a> HalfAngleSlicer<'a> {
     }
 
     /// Light passes a slab: from its layer in the run to the next.
-    fn light_pass(&self, light: &Travelling, slab: u32) -> uniforms::Bounds {
-        let [from, to] = light.areas.of(slab);
-        let [x, y] = match taps::offsets(self.settings, slab as usize).first() {
-            Some(tap) => tap.map(f32::to_bits),
-            None => [0; 2],
-        };
-        uniforms::Bounds {
-            rows: [slab, 0, 0, 0],
-            texture_low: [x, y, 0, 0],
-            core_low: [from[0], from[1], 0, 0],
-            core_high: [to[0], to[1], 0, 0],
-        }
+    fn light_pass(&self, light: &Travelling, slab: u32) -> LightBounds {
+        let [low, high] = light.areas.of(slab);
+        let tap = taps::offsets(self.settings, slab as usize).first().copied().unwrap_or_default();
+        LightBounds { low, high, tap, ..LightBounds::of(slab) }
     }
 
     /// Adds rays to their pixels.
     fn resolve(&self, targets: &Targets, [row, rows, sub]: [u32; 3], is_last: bool) {
-        let pass = uniforms::Bounds { rows: [row, rows, sub, 0], ..uniforms::Bounds::default() };
-        let passes = PassBuffer::new(self.device, [pass]);
+        let pass = RayBounds { rows: Rows::of([row, rows, sub]), ..RayBounds::default() };
+        let passes = BoundsBuffer::new(self.device, [pass]);
         let own = [("states", targets.states.as_entire_binding()), ("pixels", targets.pixels.as_entire_binding())];
         let group = self.bindings.frame_group(&self.resolve.groups, &passes, &own);
         let mut encoder =
@@ -361,13 +351,11 @@ impl<'a> HalfAngleSlicer<'a> {
 }
 
 /// The eye looks at a run.
-fn eye_pass(light: &Travelling, run: u32, [row, rows, sub]: [u32; 3], is_first: bool) -> uniforms::Bounds {
+fn eye_pass(light: &Travelling, run: u32, rows: Rows, is_first: bool) -> EyeBounds {
     let Range { start, end } = light.slabs_of(run);
-    uniforms::Bounds {
-        rows: [row, rows, sub, 0],
-        // Whether a sweep begins, and whether it is the first.
-        texture_low: [0, 0, u32::from(run == 0), u32::from(is_first && run == 0)],
-        core_low: [start, end, light.layers(), start % light.layers()],
-        ..uniforms::Bounds::default()
+    EyeBounds {
+        rows: Rows { begin: u32::from(is_first && run == 0), ..rows },
+        run: Run::of([start, end], light.layers()),
+        begin_sweep: u32::from(run == 0),
     }
 }

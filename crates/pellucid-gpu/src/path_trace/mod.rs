@@ -14,10 +14,10 @@ use pellucid_scene::{Control, Frame as Picture, PathTrace, Stage, StageVolume};
 use wgpu::{BindingResource, Buffer, CommandEncoder, CommandEncoderDescriptor, TextureFormat, TextureView};
 
 use crate::bindings::Bindings;
+use crate::bounds::{BoundsBuffer, PathBounds, Rows};
 use crate::drawing::Drawing;
 use crate::optics::Optics;
 use crate::pace::Pace;
-use crate::passes::PassBuffer;
 use crate::pipelines::{Pipeline, Pipelines};
 use crate::resident::Resident;
 use crate::shaders::{Pass, Variant};
@@ -183,12 +183,8 @@ impl<'a> PathTracer<'a> {
             }
             let some = path..path + pace.amount(MOST_PATHS.min(self.settings.samples - path));
             path = some.end;
-            let pass = |path| uniforms::Bounds {
-                rows: [row, rows, path, 0],
-                texture_low: [0, 0, 0, u32::from(path == 0)],
-                ..uniforms::Bounds::default()
-            };
-            let passes = PassBuffer::new(self.device, some.clone().map(pass));
+            let pass = |path| PathBounds { rows: Rows { begin: u32::from(path == 0), ..Rows::of([row, rows, path]) } };
+            let passes = BoundsBuffer::new(self.device, some.clone().map(pass));
             let trace = self.bindings.bound(&self.trace, &passes, &sees, &views);
             let started = Instant::now();
             let mut encoder = self.encoder();
@@ -200,7 +196,7 @@ impl<'a> PathTracer<'a> {
             pace.learn(started.elapsed());
             report(f64::from(path) / f64::from(self.settings.samples));
         }
-        let passes = PassBuffer::new(self.device, [uniforms::Bounds { rows: [row, rows, 0, 0], ..Default::default() }]);
+        let passes = BoundsBuffer::new(self.device, [PathBounds { rows: Rows::of([row, rows, 0]) }]);
         let pixels = ("pixels", targets.pixels.as_entire_binding());
         let numbers = ("paths", self.numbers.as_entire_binding());
         let bound = self.bindings.bound(&self.pixels, &passes, &[states, pixels, numbers], &views);

@@ -9,13 +9,13 @@ use pellucid_scene::{Control, Frame as Picture, Stage, StageVolume};
 use wgpu::{BindGroup, CommandEncoder, CommandEncoderDescriptor, TextureView};
 
 use crate::bindings::Bindings;
+use crate::bounds::{BoundsBuffer, RayBounds, Rows};
 use crate::bricks::{self, Brick};
 use crate::dispatch::dispatch;
 use crate::drawing::{Drawing, Passes};
 use crate::light_volume::LightVolumes;
 use crate::optics::Optics;
 use crate::pace::Pace;
-use crate::passes::PassBuffer;
 use crate::pipelines::{Pipeline, Pipelines};
 use crate::resident::Resident;
 use crate::shaders::{Pass, Variant};
@@ -161,7 +161,7 @@ impl<'a> RayCaster<'a> {
             let together = together.clamp(1, MOST_PASSES);
             let first = turn;
             turn = turns.min(turn + together);
-            let passes = PassBuffer::new(self.device, (first..turn).map(|turn| self.pass(turn, band)));
+            let passes = BoundsBuffer::new(self.device, (first..turn).map(|turn| self.pass(turn, band)));
             let march = self.frame_group(&self.march, targets, &passes, None);
             let resolve = self.frame_group(&self.resolve, targets, &passes, None);
             let mut views = Vec::with_capacity(turn - first);
@@ -212,15 +212,17 @@ impl<'a> RayCaster<'a> {
     }
 
     /// What a turn draws: a brick for one of the rays of the pixels.
-    fn pass(&self, turn: usize, Band { row, rows }: Band) -> uniforms::Bounds {
+    fn pass(&self, turn: usize, Band { row, rows }: Band) -> RayBounds {
         let (sub, number) = (turn / self.bricks.len(), turn % self.bricks.len());
         let brick = &self.bricks[number];
-        let four = |[x, y, z]: [usize; 3], w| [x as u32, y as u32, z as u32, w];
-        uniforms::Bounds {
-            rows: [row, rows, sub as u32, self.bindings.most_looks],
-            texture_low: four(brick.voxels.low, u32::from(number == 0)),
-            core_low: four(brick.core.low, 0),
-            core_high: four(brick.core.high, 0),
+        let corner = |voxel: [usize; 3]| voxel.map(|v| v as u32);
+        RayBounds {
+            rows: Rows { begin: u32::from(number == 0), ..Rows::of([row, rows, sub as u32]) },
+            most_looks: self.bindings.most_looks,
+            texture_low: corner(brick.voxels.low),
+            core_low: corner(brick.core.low),
+            core_high: corner(brick.core.high),
+            ..RayBounds::default()
         }
     }
 
@@ -250,13 +252,14 @@ impl<'a> RayCaster<'a> {
                 if control.is_cancelled() {
                     return Err(GpuError::Cancelled);
                 }
-                let pass = uniforms::Bounds {
-                    rows: [row, rows, sub, pace.amount(self.bindings.most_looks)],
-                    texture_low: [0, 0, 0, u32::from(left.is_none())],
-                    core_low: [0, 0, 0, list],
-                    core_high: [0, 0, 0, capacity],
+                let pass = RayBounds {
+                    rows: Rows { begin: u32::from(left.is_none()), ..Rows::of([row, rows, sub]) },
+                    most_looks: pace.amount(self.bindings.most_looks),
+                    list,
+                    list_length: capacity,
+                    ..RayBounds::default()
                 };
-                let passes = PassBuffer::new(self.device, [pass]);
+                let passes = BoundsBuffer::new(self.device, [pass]);
                 let group = self.frame_group(&self.march, targets, &passes, Some(&front));
                 let mut encoder = self.encoder();
                 front.clear(&mut encoder, 1 - list);
@@ -274,8 +277,8 @@ impl<'a> RayCaster<'a> {
                 busy = sum(busy, timer.and_then(|timer| timer.seconds(1)));
                 list = 1 - list;
             }
-            let pass = uniforms::Bounds { rows: [row, rows, sub, 0], ..uniforms::Bounds::default() };
-            let passes = PassBuffer::new(self.device, [pass]);
+            let pass = RayBounds { rows: Rows::of([row, rows, sub]), ..RayBounds::default() };
+            let passes = BoundsBuffer::new(self.device, [pass]);
             let group = self.frame_group(&self.resolve, targets, &passes, None);
             let mut encoder = self.encoder();
             let size = [targets.width, rows, 1];
@@ -297,7 +300,7 @@ impl<'a> RayCaster<'a> {
         &self,
         pipeline: &Pipeline,
         targets: &Targets,
-        passes: &PassBuffer,
+        passes: &BoundsBuffer,
         front: Option<&Front>,
     ) -> BindGroup {
         let mut own = vec![("states", targets.states.as_entire_binding())];

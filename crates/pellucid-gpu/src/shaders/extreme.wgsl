@@ -25,7 +25,7 @@ fn follow(turn: ptr<function, Turn>) {
     let ray = (*turn).ray;
     var state = (*turn).state;
     var cells = cells_at(ray, state.place.x);
-    var looks = bounds.rows.w;
+    var looks = bounds.most_looks;
     var here = true;
     while here && looks > 0u && cells.ends.x < cells.length {
         looks -= 1u;

@@ -62,7 +62,7 @@ fn is_here(p: vec3<f32>) -> bool {
 #ifdef BRICKS
     const OVERLAP: f32 = 1e-3;
     let q = inside_grid(p);
-    return all(q >= vec3<f32>(bounds.core_low.xyz) - OVERLAP) && all(q <= vec3<f32>(bounds.core_high.xyz) + OVERLAP);
+    return all(q >= vec3<f32>(bounds.core_low) - OVERLAP) && all(q <= vec3<f32>(bounds.core_high) + OVERLAP);
 #else
     return true;
 #endif
@@ -76,7 +76,7 @@ fn stored_voxel(voxel: vec3<i32>) -> f32 {
 #ifdef BRICKS
     // A gradient in the overlap reaches over the brick's border by as little.
     let last = vec3<i32>(textureDimensions(volume)) - 1;
-    return textureLoad(volume, clamp(voxel - vec3<i32>(bounds.texture_low.xyz), vec3<i32>(0), last), 0).x;
+    return textureLoad(volume, clamp(voxel - vec3<i32>(bounds.texture_low), vec3<i32>(0), last), 0).x;
 #else
     return textureLoad(volume, voxel, 0).x;
 #endif
@@ -113,7 +113,7 @@ fn still_value(p: vec3<f32>) -> f32 {
 #else
     let size = vec3<f32>(textureDimensions(volume));
 #ifdef BRICKS
-    let texel = p - vec3<f32>(bounds.texture_low.xyz);
+    let texel = p - vec3<f32>(bounds.texture_low);
 #else
     let texel = p;
 #endif

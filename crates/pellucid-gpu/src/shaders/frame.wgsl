@@ -106,15 +106,55 @@ struct Frame {
     noise: Noise,
 }
 
-// What one pass draws.
+// Rows of the picture, and one of the rays of each of their pixels; 1 if rays start here.
+struct Rows {
+    first: u32,
+    count: u32,
+    ray: u32,
+    begin: u32,
+}
+
+// Slabs from the first to the end; how many layers light is kept in by turns, and the first slab's.
+struct Run {
+    first: u32,
+    end: u32,
+    layers: u32,
+    layer: u32,
+}
+
+// What a pass is told of its part of the frame (`bounds.rs`).
 struct Bounds {
-    // First row, rows, number of the ray within its pixel, most looks at the blocks.
-    rows: vec4<u32>,
-    // First voxel of the volume's texture; 1 if rays start here.
-    texture_low: vec4<u32>,
-    // Cells whose samples are taken here: from, to. `w`: the list of rays that is read, and its length.
-    core_low: vec4<u32>,
-    core_high: vec4<u32>,
+#ifdef OF_LIGHT
+    // Texels from and to.
+    low: vec2<u32>,
+    high: vec2<u32>,
+    // The first tap of the blur.
+    tap: vec2<f32>,
+    // Coordinates of the slab's near side and of its middle.
+    slab: vec2<f32>,
+#else ifdef OF_POINTS
+    run: Run,
+    // Points of a light, and where they begin along the last axis.
+    size: vec3<u32>,
+    first: u32,
+#else ifdef OF_SLABS
+    rows: Rows,
+    run: Run,
+    // 1 if the sweep of a light begins.
+    begin_sweep: u32,
+#else ifdef OF_PATHS
+    rows: Rows,
+#else
+    rows: Rows,
+    // First voxel of the volume's texture; most looks at the blocks.
+    texture_low: vec3<u32>,
+    most_looks: u32,
+    // Cells whose samples are taken here: from, to. The list of rays that is read, and how long lists are.
+    core_low: vec3<u32>,
+    list: u32,
+    core_high: vec3<u32>,
+    list_length: u32,
+#endif
 }
 
 #ifdef LOADED_CONSTANTS

@@ -1,5 +1,4 @@
-// The eye looks at a run of slabs in the light that has come to each (Eq. 6.9, 6.10, K-05). The pass: rows and
-// ray of the picture; the first slab, the end, how many layers light is kept in by turns, and the first slab's.
+// The eye looks at a run of slabs in the light that has come to each (Eq. 6.9, 6.10, K-05).
 #import pellucid::frame::{frame, bounds}
 #import pellucid::march::{states, turn_of}
 #import pellucid::light::{add_light, in_light, in_the_dark, incident}
@@ -48,7 +47,7 @@ fn leap(crossing: Crossing, inverse: vec3<f32>, first: u32, end: u32) -> u32 {
 fn seen(passage: Passage, matter: Matter, slab: u32, ray: Ray) -> vec4<f32> {
     let p = passage.position;
     let rgba = over_length(matter.color, passage.ratio);
-    let lost = loss(layer_of(slab), in_picture(p).xy);
+    let lost = loss(layer_of(bounds.run, slab), in_picture(p).xy);
     var direct = 1.0 - lost.a;
     var indirect = vec3<f32>(sweep.scales.z) - lost.rgb;
     if sweep.counts.y == 0u {
@@ -86,14 +85,14 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if !turn.open {
         return;
     }
-    let is_first = bounds.texture_low.w != 0u;
+    let is_first = bounds.rows.begin != 0u;
     let eye = eye_crossing(turn.ray);
     let inverse = 1.0 / nonzeros(eye.crossing.direction);
     // A new state, and one that another sweep has left, has another use of it.
-    var color = select(turn.state.place, vec4<f32>(0.0), bounds.texture_low.z != 0u);
+    var color = select(turn.state.place, vec4<f32>(0.0), bounds.begin_sweep != 0u);
     var counts = turn.state.counts;
-    let end = min(bounds.core_low.y, u32(max(ceil(eye.crossing.ends.y), 0.0)));
-    var slab = max(bounds.core_low.x, u32(max(eye.crossing.ends.x, 0.0)));
+    let end = min(bounds.run.end, u32(max(ceil(eye.crossing.ends.y), 0.0)));
+    var slab = max(bounds.run.first, u32(max(eye.crossing.ends.x, 0.0)));
     while slab < end && (eye.is_backward || color.a < frame.limits.z) {
         let next = leap(eye.crossing, inverse, slab, end);
         counts.z += next - slab;

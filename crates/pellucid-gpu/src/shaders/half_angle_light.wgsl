@@ -40,12 +40,12 @@ fn held_at(place: vec2<f32>) -> f32 {
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     load_sweep();
-    let id = invocation.xy + bounds.core_low.xy;
-    if any(id >= bounds.core_high.xy) {
+    let id = invocation.xy + bounds.low;
+    if any(id >= bounds.high) {
         return;
     }
     let ray = light_ray(id);
-    let passage = passage_of(ray, f32(bounds.rows.x));
+    let passage = passage_of(ray, bounds.slab.x);
     let matter = matter_of(passage);
     let alpha = opacity_over(matter.color.a, passage.ratio);
     let lost = loss_at(0u, vec2<i32>(id));
@@ -62,7 +62,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     var radius = sweep.blur.xy;
     if sweep.ways.w != 0.0 {
         // The way grows towards the picture's rim, and texels with the distance.
-        let p = ray.origin + ray.direction * (f32(bounds.rows.x) + 0.5);
+        let p = ray.origin + ray.direction * bounds.slab.y;
         var path = ray.stretch * sweep.ways.z;
         if sweep.blur.y != 0.0 {
             path = sqrt(path);
@@ -71,7 +71,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     }
     // As a difference from the middle: what is even stays exactly even.
     let count = max(f32(sweep.counts.x), 1.0);
-    var tap = bitcast<vec2<f32>>(bounds.texture_low.xy);
+    var tap = bounds.tap;
 #ifdef GATED
     var mean = vec4<f32>(0.0);
     for (var i = 0u; i < max(sweep.counts.x, 1u); i += 1u) {

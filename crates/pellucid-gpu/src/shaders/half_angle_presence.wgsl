@@ -11,6 +11,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if any(id.xy >= sweep.size.xy) {
         return;
     }
-    let matter = matter_of(passage_of(light_ray(id.xy), f32(bounds.rows.x)));
+    let matter = matter_of(passage_of(light_ray(id.xy), bounds.slab.x));
     textureStore(held, id.xy + 1u, vec4<f32>(select(0.0, 1.0, matter.color.a > 0.0)));
 }

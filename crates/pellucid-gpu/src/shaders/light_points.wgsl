@@ -1,6 +1,5 @@
 // The light at the points of a light volume that lie in a run of slabs (6.1-2): between the layers in front of and
-// behind a point. The pass: where the light's points begin; the first slab, the end, how many layers light is kept in
-// by turns, and the first slab's; the points.
+// behind a point.
 #import pellucid::frame::{bounds, frame}
 #import pellucid::sweep::{in_picture, layer_of, load_sweep, loss, sweep}
 
@@ -9,18 +8,18 @@
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     load_sweep();
-    if any(id >= bounds.core_high.xyz) {
+    if any(id >= bounds.size) {
         return;
     }
-    let part = vec3<f32>(id) / vec3<f32>(bounds.core_high.xyz - 1u);
+    let part = vec3<f32>(id) / vec3<f32>(bounds.size - 1u);
     let p = mix(frame.low.xyz, frame.high.xyz, part);
     // The last coordinate is the end of the last slab.
     let place = clamp(dot(sweep.slabs.xyz, p) + sweep.slabs.w, 0.0, f32(sweep.size.z));
     let slab = min(u32(place), sweep.size.z - 1u);
-    if slab < bounds.core_low.x || slab >= bounds.core_low.y {
+    if slab < bounds.run.first || slab >= bounds.run.end {
         return;
     }
     let texel = in_picture(p).xy;
-    let lost = mix(loss(layer_of(slab), texel).a, loss(layer_of(slab + 1u), texel).a, place - f32(slab));
-    textureStore(points, id + vec3<u32>(0u, 0u, bounds.rows.x), vec4<f32>(1.0 - lost));
+    let lost = mix(loss(layer_of(bounds.run, slab), texel).a, loss(layer_of(bounds.run, slab + 1u), texel).a, place - f32(slab));
+    textureStore(points, id + vec3<u32>(0u, 0u, bounds.first), vec4<f32>(1.0 - lost));
 }

@@ -55,21 +55,21 @@ struct Turn {
 fn turn_of(id: vec2<u32>) -> Turn {
     var turn: Turn;
     turn.open = false;
-    let is_first = bounds.texture_low.w != 0u;
+    let is_first = bounds.rows.begin != 0u;
     var pixel = id;
 #ifdef WAVEFRONT
     if !is_first {
         // Workgroups of 8 x 8 in one row.
         let number = (id.x / 8u) * 64u + id.y * 8u + id.x % 8u;
-        let list = bounds.core_low.w;
+        let list = bounds.list;
         if number >= atomicLoad(&front.counts[list]) {
             return turn;
         }
-        let slot = front.slots[list * bounds.core_high.w + number];
+        let slot = front.slots[list * bounds.list_length + number];
         pixel = vec2<u32>(slot % frame.size.x, slot / frame.size.x);
     }
 #endif
-    if pixel.x >= frame.size.x || pixel.y >= bounds.rows.y {
+    if pixel.x >= frame.size.x || pixel.y >= bounds.rows.count {
         return turn;
     }
     turn.slot = pixel.y * frame.size.x + pixel.x;
@@ -81,7 +81,7 @@ fn turn_of(id: vec2<u32>) -> Turn {
             return turn;
         }
     }
-    turn.ray = ray_of(pixel + vec2<u32>(frame.size.y, bounds.rows.x), bounds.rows.z);
+    turn.ray = ray_of(pixel + vec2<u32>(frame.size.y, bounds.rows.first), bounds.rows.ray);
     turn.open = true;
     if turn.ray.count > 0.0 {
         turn.state.counts.w |= HIT;
@@ -94,8 +94,8 @@ fn end_turn(turn: Turn) {
     states[turn.slot] = turn.state;
 #ifdef WAVEFRONT
     if (turn.state.counts.w & DONE) == 0u {
-        let list = 1u - bounds.core_low.w;
-        front.slots[list * bounds.core_high.w + atomicAdd(&front.counts[list], 1u)] = turn.slot;
+        let list = 1u - bounds.list;
+        front.slots[list * bounds.list_length + atomicAdd(&front.counts[list], 1u)] = turn.slot;
     }
 #endif
 }

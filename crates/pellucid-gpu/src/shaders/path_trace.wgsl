@@ -199,13 +199,13 @@ fn follow(start: Beam) -> Found {
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.size.x || id.y >= bounds.rows.y {
+    if id.x >= frame.size.x || id.y >= bounds.rows.count {
         return;
     }
     let slot = id.y * frame.size.x + id.x;
-    let path = bounds.rows.z;
+    let path = bounds.rows.ray;
     var state = new_state();
-    if bounds.texture_low.w == 0u {
+    if bounds.rows.begin == 0u {
         state = states[slot];
     } else {
         state.surface = vec4<f32>(0.0);
@@ -214,7 +214,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if (state.counts.w & DONE) != 0u {
         return;
     }
-    let pixel = id.xy + vec2<u32>(frame.size.y, bounds.rows.x);
+    let pixel = id.xy + vec2<u32>(frame.size.y, bounds.rows.first);
     begin_stream(paths.counts.xy, pixel.y * 65536u + pixel.x, path);
     let start = beam(pixel);
     var found = Found(vec3<f32>(0.0), 0u, false, vec3<f32>(1.0));

@@ -22,7 +22,7 @@ fn packed_normal(normal: vec3<f32>) -> vec2<f32> {
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.size.x || id.y >= bounds.rows.y {
+    if id.x >= frame.size.x || id.y >= bounds.rows.count {
         return;
     }
     let slot = id.y * frame.size.x + id.x;
@@ -31,7 +31,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var depth = NOWHERE;
     var normal = vec2<f32>(2.0);
     if state.color.a >= 0.5 * count {
-        let ray = ray_of(id.xy + vec2<u32>(frame.size.y, bounds.rows.x), 0u);
+        let ray = ray_of(id.xy + vec2<u32>(frame.size.y, bounds.rows.first), 0u);
         var thickness = 0.0;
         for (var k = 0.0; k < ray.count; k += 1.0) {
             let sample = sample_of(ray, k);

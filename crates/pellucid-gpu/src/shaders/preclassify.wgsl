@@ -35,7 +35,7 @@ fn associated(rgba: vec4<f32>) -> vec4<f32> {
 
 fn color_of(voxel: vec3<i32>) -> vec4<f32> {
 #ifdef BRICKS
-    let stored = textureLoad(voxels, voxel - vec3<i32>(bounds.texture_low.xyz), 0).x;
+    let stored = textureLoad(voxels, voxel - vec3<i32>(bounds.texture_low), 0).x;
 #else
     let stored = textureLoad(voxels, voxel, 0).x;
 #endif

@@ -7,12 +7,12 @@
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.size.x || id.y >= bounds.rows.y {
+    if id.x >= frame.size.x || id.y >= bounds.rows.count {
         return;
     }
     let slot = id.y * frame.size.x + id.x;
     let state = states[slot];
-    let sub = bounds.rows.z;
+    let sub = bounds.rows.ray;
     let n = frame.size.z;
     var pixel: Pixel;
     if sub == 0u {
@@ -26,7 +26,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     pixel.held_back += vec4<f32>(state.place.yzw, 0.0) / f32(n * n);
 #endif
     if state.surface.w < NOWHERE {
-        let ray = ray_of(id.xy + vec2<u32>(frame.size.y, bounds.rows.x), sub);
+        let ray = ray_of(id.xy + vec2<u32>(frame.size.y, bounds.rows.first), sub);
         let depth = (ray.entry + state.surface.w) * frame.picture.w;
         if depth < pixel.surface.w {
             pixel.surface = vec4<f32>(state.surface.xyz, depth);

@@ -22,7 +22,7 @@ fn follow(turn: ptr<function, Turn>) {
     let ray = (*turn).ray;
     var state = (*turn).state;
     var k = state.place.x;
-    var looks = bounds.rows.w;
+    var looks = bounds.most_looks;
     var here = true;
 #ifdef STRIDES
     // A run that the end of a brick cut short goes on in the next one with the same stride.

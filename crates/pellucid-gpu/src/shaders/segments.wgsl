@@ -32,7 +32,7 @@ fn follow(turn: ptr<function, Turn>) {
     var n = state.place.x;
     var front = state.place.y;
     var carried = state.place.z != 0.0;
-    var looks = bounds.rows.w;
+    var looks = bounds.most_looks;
     var here = ray.count > 0.0;
     while here && looks > 0u && n <= ray.count {
         // What happens seldom is done between walks: within them, processors whose lanes share branches
@@ -104,7 +104,7 @@ fn follow_faces(turn: ptr<function, Turn>) {
     var cells = cells_at(ray, state.place.x);
     // There is no face at the entry, nor behind what is leapt over.
     var front = select(ABSENT, state.place.y, state.place.z != 0.0);
-    var looks = bounds.rows.w;
+    var looks = bounds.most_looks;
     var here = true;
     while here && looks > 0u && cells.ends.x < cells.length {
         looks -= 1u;

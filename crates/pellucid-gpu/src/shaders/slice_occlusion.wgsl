@@ -14,7 +14,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let low = vec3<f32>(boxes[id.x].low.xyz) - slices.margin.xyz;
     let high = vec3<f32>(boxes[id.x].high.xyz) + slices.margin.xyz;
-    let size = vec2<u32>(frame.size.x, bounds.rows.y);
+    let size = vec2<u32>(frame.size.x, bounds.rows.count);
     let count = (size + u32(SIDE) - 1u) / u32(SIDE);
     var least = vec2<f32>(1e9);
     var most = vec2<f32>(-1e9);

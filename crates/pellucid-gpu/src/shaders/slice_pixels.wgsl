@@ -42,15 +42,15 @@ fn color_of(blended: vec4<f32>) -> vec4<f32> {
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.size.x || id.y >= bounds.rows.y {
+    if id.x >= frame.size.x || id.y >= bounds.rows.count {
         return;
     }
     let slot = id.y * frame.size.x + id.x;
-    let ray = ray_of(id.xy + vec2<u32>(frame.size.y, bounds.rows.x), bounds.rows.z);
+    let ray = ray_of(id.xy + vec2<u32>(frame.size.y, bounds.rows.first), bounds.rows.ray);
     let color = color_of(textureLoad(colors, id.xy, 0));
     let counts = vec2<u32>(textureLoad(taken, id.xy, 0).xy + 0.5);
     var pixel = Pixel(vec4<f32>(0.0), vec4<f32>(0.0, 0.0, 0.0, NOWHERE), vec4<u32>(0u));
-    if bounds.rows.z > 0u {
+    if bounds.rows.ray > 0u {
         pixel = pixels[slot];
     }
     let n = frame.size.z;

@@ -17,7 +17,7 @@ fn fragment(
     @location(0) @interpolate(flat) box: u32,
     @location(1) @interpolate(flat) slice: u32,
 ) -> Blended {
-    let ray = ray_of(vec2<u32>(position.xy) + vec2<u32>(frame.size.y, bounds.rows.x), bounds.rows.z);
+    let ray = ray_of(vec2<u32>(position.xy) + vec2<u32>(frame.size.y, bounds.rows.first), bounds.rows.ray);
     var state = new_state();
     if ray.count > 0.0 {
         let lattice = lattice_of(ray);

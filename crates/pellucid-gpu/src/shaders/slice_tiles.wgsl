@@ -8,7 +8,7 @@ const SIDE: u32 = 16u;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let size = vec2<u32>(frame.size.x, bounds.rows.y);
+    let size = vec2<u32>(frame.size.x, bounds.rows.count);
     let count = (size + SIDE - 1u) / SIDE;
     if any(id.xy >= count) {
         return;

@@ -2,7 +2,7 @@
 // rays of the light and of the eye in segments of their own lengths, with a sample in each.
 #define_import_path pellucid::sweep
 
-#import pellucid::frame::{bounds, frame, load_frame}
+#import pellucid::frame::{frame, load_frame, Run}
 #import pellucid::light::Light
 #ifdef HARDWARE
 #import pellucid::field::linear
@@ -127,10 +127,10 @@ fn in_picture(p: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(vec2<f32>(dot(sweep.texel_x, here), dot(sweep.texel_y, here)) / depth, depth);
 }
 
-// The layer of light in front of a slab of a run, for passes that are told of it.
-fn layer_of(slab: u32) -> u32 {
-    let layer = bounds.core_low.w + slab - bounds.core_low.x;
-    return select(layer, layer - bounds.core_low.z, layer >= bounds.core_low.z);
+// The layer of light in front of a slab of a run.
+fn layer_of(run: Run, slab: u32) -> u32 {
+    let layer = run.layer + slab - run.first;
+    return select(layer, layer - run.layers, layer >= run.layers);
 }
 
 // Four texels that a place lies between: the middle of the first, and the part of the way to the others.

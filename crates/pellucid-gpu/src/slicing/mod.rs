@@ -22,12 +22,12 @@ use wgpu::{
 };
 
 use crate::bindings::Bindings;
+use crate::bounds::{BoundsBuffer, RayBounds, Rows};
 use crate::bricks::{self, Brick};
 use crate::dispatch::dispatch;
 use crate::drawing::Drawing;
 use crate::optics::Optics;
 use crate::pace::Pace;
-use crate::passes::PassBuffer;
 use crate::pipelines::{Pipeline, Pipelines};
 use crate::plan::Demands;
 use crate::resident::Resident;
@@ -95,7 +95,7 @@ pub struct Slicer<'a> {
 /// A band of the picture, for one of the rays of its pixels: where it is, and what it is drawn with.
 struct Layer {
     rows: u32,
-    passes: PassBuffer,
+    passes: BoundsBuffer,
     numbers: Buffer,
     slices: BindGroup,
     done: BindGroup,
@@ -221,14 +221,10 @@ impl<'a> Slicer<'a> {
     fn layer(&self, canvas: &Canvas, [row, rows, sub]: [u32; 3]) -> Layer {
         let Self { bindings, geometry, .. } = self;
         let pass = |(brick, _): &(Brick, Range<u32>)| {
-            let [x, y, z] = brick.voxels.low.map(|v| v as u32);
-            uniforms::Bounds {
-                rows: [row, rows, sub, u32::MAX],
-                texture_low: [x, y, z, 0],
-                ..uniforms::Bounds::default()
-            }
+            let texture_low = brick.voxels.low.map(|v| v as u32);
+            RayBounds { rows: Rows::of([row, rows, sub]), texture_low, most_looks: u32::MAX, ..RayBounds::default() }
         };
-        let passes = PassBuffer::new(self.device, geometry.shares.iter().map(pass));
+        let passes = BoundsBuffer::new(self.device, geometry.shares.iter().map(pass));
         let what = (self.slicing, bindings.variant.pass, geometry.slices);
         let numbers = view::numbers(
             self.stage,
