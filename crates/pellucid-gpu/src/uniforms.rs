@@ -46,7 +46,10 @@ pub struct Frame {
     pub size: [u32; 4],
     pub dims: [u32; 4],
     pub blocks: [u32; 4],
-    pub counts: [u32; 4],
+    pub light_count: u32,
+    pub plane_count: u32,
+    pub level_count: u32,
+    pub two_sided: u32,
     pub jitter: [u32; 4],
     pub stack: [u32; 4],
     pub scattering: [Four; HEADER],
@@ -123,10 +126,10 @@ impl Frame {
         }
         let [r, g, b] = stage.chroma(volume).map_or([1.0; 3], |chroma| chroma.ratios);
         frame.chroma = [r, g, b, 0.0];
-        frame.counts[0] = stage.lights.len() as u32;
-        frame.counts[1] = region.half_spaces().len() as u32;
+        frame.light_count = stage.lights.len() as u32;
+        frame.plane_count = region.half_spaces().len() as u32;
         match stage.mode() {
-            Mode::Isosurface(surfaces) => frame.counts[2] = surfaces.isovalues.len() as u32,
+            Mode::Isosurface(surfaces) => frame.level_count = surfaces.isovalues.len() as u32,
             Mode::Slice(slice) => frame.set_plane(stage, volume, slice),
             _ => {}
         }
@@ -184,7 +187,7 @@ impl Frame {
     pub fn set_material(&mut self, material: &Material, ambient: f32) {
         let unlit = material.emission + material.ambient * ambient;
         self.material = [unlit, material.diffuse, material.specular, material.shininess];
-        self.counts[3] = u32::from(material.two_sided);
+        self.two_sided = u32::from(material.two_sided);
     }
 
     /// How many points a light volume has across its last axis.
@@ -285,8 +288,8 @@ mod tests {
         let resolve = linked(Variant::of(shaders::Pass::Resolve));
         let frame = fields!(Frame: origin_middle origin_right origin_up direction_middle direction_right direction_up
             world_middle world_right world_up low high gradient_x gradient_y gradient_z world_x world_y world_z
-            picture values material limits plane plane_normal shadows chroma table size dims blocks counts
-            jitter stack scattering noise);
+            picture values material limits plane plane_normal shadows chroma table size dims blocks light_count
+            plane_count level_count two_sided jitter stack scattering noise);
         assert_eq!(layout(&shaded, "Frame"), frame);
         let rays = fields!(RayBounds: rows texture_low most_looks core_low list core_high list_length);
         assert_eq!(layout(&shaded, "Bounds"), rays);

@@ -26,7 +26,7 @@ fn cut_gradient(ray: Ray, p: vec3<f32>, gradient: vec3<f32>) -> vec3<f32> {
             least = off;
         }
     }
-    for (var i = 0u; i < frame.counts.y; i += 1u) {
+    for (var i = 0u; i < frame.plane_count; i += 1u) {
         let off = abs(dot(planes[i].xyz, ray.origin) - planes[i].w);
         if off < least && dot(planes[i].xyz, ray.direction) > 0.0 {
             normal = planes[i].xyz;

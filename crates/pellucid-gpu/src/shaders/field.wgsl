@@ -236,7 +236,7 @@ const ROOM: f32 = 1e-4;
 // Whether everything between two corners is inside the box and not clipped.
 fn is_defined(low: vec3<f32>, high: vec3<f32>) -> bool {
     var inside = all(low >= frame.low.xyz - ROOM) && all(high <= frame.high.xyz + ROOM);
-    for (var i = 0u; i < frame.counts.y; i += 1u) {
+    for (var i = 0u; i < frame.plane_count; i += 1u) {
         let deepest = select(high, low, planes[i].xyz > vec3<f32>(0.0));
         inside = inside && dot(planes[i].xyz, deepest) >= planes[i].w - ROOM;
     }

@@ -96,8 +96,12 @@ struct Frame {
     dims: vec4<u32>,
     // Blocks and voxels per block.
     blocks: vec4<u32>,
-    // Lights, clip planes, isosurfaces; 1 if surfaces are lit on both sides.
-    counts: vec4<u32>,
+    // How many lights, clip planes and isosurfaces there are.
+    light_count: u32,
+    plane_count: u32,
+    level_count: u32,
+    // 1 if surfaces are lit on both sides.
+    two_sided: u32,
     // Shift of the blue noise; 1 if rays are jittered by it.
     jitter: vec4<u32>,
     // The axis across which a stack of 2D textures lies.

@@ -83,7 +83,7 @@ fn gradient_at(ray: Ray, p: vec3<f32>, jump: f32) -> vec3<f32> {
 // Whether a segment crosses any surface.
 fn visit_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool {
     var crosses = false;
-    for (var i = 0u; i < frame.counts.z; i += 1u) {
+    for (var i = 0u; i < frame.level_count; i += 1u) {
         crosses = crosses || between(segment.value.x, segment.value.y, levels[i].value.x);
     }
     return crosses;
@@ -93,7 +93,7 @@ fn visit_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> boo
 fn meet_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool {
     let front = segment.value.x;
     let back = segment.value.y;
-    let count = frame.counts.z;
+    let count = frame.level_count;
     for (var i = 0u; i < count; i += 1u) {
         // A ray leaves the value at the segment's start and meets levels in the order of value.
         let level = levels[select(count - 1u - i, i, back > front)];

@@ -111,7 +111,7 @@ fn in_the_dark(value: f32, gradient: vec3<f32>, to_eye: vec3<f32>) -> Lit {
     sample.to_eye = to_eye;
 #ifdef SHADED
     sample.surface = normal_of(gradient);
-    if frame.counts.w != 0u && dot(sample.surface.direction, to_eye) < 0.0 {
+    if frame.two_sided != 0u && dot(sample.surface.direction, to_eye) < 0.0 {
         sample.surface.direction = -sample.surface.direction;
     }
 #endif
@@ -172,7 +172,7 @@ fn in_light(sample: Lit, rgba: vec4<f32>) -> vec4<f32> {
 // An associated sample in the light of all sources.
 fn lit(rgba: vec4<f32>, value: f32, p: vec3<f32>, gradient: vec3<f32>, to_eye: vec3<f32>) -> vec4<f32> {
     var sample = in_the_dark(value, gradient, to_eye);
-    for (var i = 0u; i < frame.counts.x; i += 1u) {
+    for (var i = 0u; i < frame.light_count; i += 1u) {
         var left = 1.0;
 #ifdef SHADOWED
         if frame.shadows.w == 0.0 {

@@ -59,7 +59,7 @@ fn vertex_of(p: vec3<f32>, value: f32, color: vec3<f32>, forward: vec3<f32>) -> 
 #endif
     let is_met = random() < share && surface.magnitude > 0.0;
     let facing = -dot(surface.direction, forward);
-    if is_met && (facing >= 0.0 || frame.counts.w != 0u) && frame.material.y + frame.material.z > 0.0 {
+    if is_met && (facing >= 0.0 || frame.two_sided != 0u) && frame.material.y + frame.material.z > 0.0 {
         let normal = select(surface.direction, -surface.direction, facing < 0.0);
         return Vertex(vec4<f32>(color, 0.0), forward, normal, true);
     }
@@ -87,7 +87,7 @@ fn direct(p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
     var direction = vec3<f32>(0.0);
     var distance = FAR_AWAY;
     var light = vec3<f32>(0.0);
-    if chosen < frame.counts.x {
+    if chosen < frame.light_count {
         let found = sample_light(chosen, p);
         direction = found.arriving.to_light;
         distance = found.distance;
@@ -114,7 +114,7 @@ fn direct(p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
 // leaves them. Nothing hides behind a light.
 fn lights_met(p: vec3<f32>, direction: vec3<f32>, way: f32, density: f32, sources: u32) -> vec3<f32> {
     var radiance = vec3<f32>(0.0);
-    for (var i = 0u; i < frame.counts.x; i += 1u) {
+    for (var i = 0u; i < frame.light_count; i += 1u) {
         if lights[i].extent.kind.y != 0u {
             let seen = light_seen(i, p, direction);
             if seen.distance <= way {
@@ -141,7 +141,7 @@ fn follow(start: Beam) -> Found {
     var throughput = vec3<f32>(1.0);
     // Density with which the last scattering chose the direction.
     var density = 0.0;
-    let sources = frame.counts.x + select(0u, 1u, has_sky());
+    let sources = frame.light_count + select(0u, 1u, has_sky());
     for (var scatterings = 0u; ; scatterings += 1u) {
         let collision = collide(flight, throughput);
         throughput = collision.carried;

@@ -82,7 +82,7 @@ fn span_of(origin: vec3<f32>, direction: vec3<f32>, from_t: f32, to_t: f32) -> v
     let far = select(max(one, other), ever, still);
     var t0 = max(max(from_t, near.x), max(near.y, near.z));
     var t1 = min(min(to_t, far.x), min(far.y, far.z));
-    for (var i = 0u; i < frame.counts.y; i += 1u) {
+    for (var i = 0u; i < frame.plane_count; i += 1u) {
         let plane = planes[i];
         let slope = dot(plane.xyz, direction);
         let crossing = (plane.w - dot(plane.xyz, origin)) / nonzero(slope);
@@ -105,7 +105,7 @@ fn exit_of(origin: vec3<f32>, direction: vec3<f32>) -> f32 {
     var length = min(exits.x, min(exits.y, exits.z));
     let extent = frame.high.xyz - frame.low.xyz;
     let flattest = ROUNDING * max(extent.x, max(extent.y, extent.z)) / ways.w;
-    for (var i = 0u; i < frame.counts.y; i += 1u) {
+    for (var i = 0u; i < frame.plane_count; i += 1u) {
         let plane = planes[i];
         let slope = dot(plane.xyz, direction);
         if slope < -flattest {

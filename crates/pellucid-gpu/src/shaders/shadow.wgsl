@@ -49,7 +49,7 @@ fn left_of_light(place: vec4<f32>, p: vec3<f32>) -> f32 {
     for (var node = 1.0; node <= count + 1.0 && through > 0.0; node += 1.0) {
         let inner = node - 1.0 + 0.5 * select(1.0, last, node >= count);
         let back = field_value(origin + direction * select(inner, length, node > count));
-        for (var i = 0u; i < frame.counts.z; i += 1u) {
+        for (var i = 0u; i < frame.level_count; i += 1u) {
             if between(front, back, levels[i].value.x) {
                 through *= 1.0 - levels[i].color.a;
             }
