@@ -4,9 +4,9 @@ use glam::DVec3;
 use pellucid_field::{Filter, Volume};
 use pellucid_optics::{Nodes, PreIntegration, StepTable, Table};
 
+use crate::element::Element;
 use crate::field::{Any, Corners, Field, Moved, lane_position};
 use crate::lanes::*;
-use crate::medium::Element;
 use crate::samples::Sample;
 
 /// A table of linear RGB and opacity in the shape lanes look it up (4.1-4).

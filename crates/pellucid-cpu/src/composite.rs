@@ -4,10 +4,11 @@ use pellucid_optics::Chroma;
 
 use crate::chroma;
 use crate::classify::Classify;
+use crate::element::Element;
 use crate::field::Field;
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
-use crate::medium::{Beam, Element, Integrals, OneGrid};
+use crate::medium::{Beam, Integrals, OneGrid};
 use crate::packet::{Packet, Rays};
 use crate::samples::March;
 use crate::segments::{Segment, Verdict, Visit, each_segment};

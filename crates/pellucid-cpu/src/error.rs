@@ -15,11 +15,15 @@ pub enum RenderError {
     /// The caller cancelled.
     #[error("cancelled")]
     Cancelled,
-    /// The backend draws one volume at a time.
-    #[error("the scene holds {found} volumes and the CPU ray caster draws 1: keep one of them")]
+    /// More volumes than the technique draws, or none.
+    #[error(
+        "the scene holds {found} volumes, and {technique} draws 1 on the processor: keep one of them, or cast rays"
+    )]
     Volumes {
         /// Volumes in the scene.
         found: usize,
+        /// Its name.
+        technique: &'static str,
     },
     /// A technique of graphics processors.
     #[error("the CPU backend does not draw by {technique}: use --backend gpu, or another technique")]

@@ -167,6 +167,9 @@ pub trait Integrator: Sync {
     /// Follows the rays of packets side by side in the picture; there are as many of `traced`, and
     /// they come as [`Traced::NOTHING`].
     ///
+    /// Of several layers there are as many packets more to each of `traced`: first one for all layers, which says where
+    /// their lattice begins, then one for each.
+    ///
     /// Packets of a wave may be followed in turns, so that they read the same voxels while these
     /// are near.
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally);

@@ -64,11 +64,40 @@ struct Crossed<S: Lanes> {
 }
 
 /// What rays have met so far.
-struct Met<S: Lanes> {
+struct Surfacing<S: Lanes> {
     color: [F32<S>; 4],
     depth: F32<S>,
     normal: Vec3<S>,
     aim: Option<Aim<S>>,
+    /// Every surface by itself, if it is to be known.
+    hits: Option<Vec<Hit<S>>>,
+}
+
+/// A surface that rays meet.
+pub struct Hit<S: Lanes> {
+    /// Distance from the entry, in steps.
+    pub distance: F32<S>,
+    /// Associated linear RGB and opacity.
+    pub rgba: [F32<S>; 4],
+    /// Unit normals.
+    pub normal: Vec3<S>,
+    /// Lanes that meet it.
+    pub lanes: Mask<S>,
+}
+
+/// Surfaces of a volume among others.
+pub trait Surfaced<S: Lanes>: Sync {
+    /// All surfaces that the rays of a packet meet, up to where those of this volume alone hide all behind.
+    fn hits(&self, packet: &Packet, counter: &mut Counter<S>) -> Vec<Hit<S>>;
+}
+
+impl<S: Lanes, F: Field<S>> Surfaced<S> for Isosurfaces<'_, S, F> {
+    fn hits(&self, packet: &Packet, counter: &mut Counter<S>) -> Vec<Hit<S>> {
+        self.s.vectorize(
+            #[inline(always)]
+            || self.follow(packet, &Rays::new(self.s, packet), Some(Vec::new()), counter).hits.unwrap_or_default(),
+        )
+    }
 }
 
 impl<S: Lanes, F: Field<S>> Integrator for Isosurfaces<'_, S, F> {
@@ -85,17 +114,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Isosurfaces<'_, S, F> {
             tally,
             #[inline(always)]
             |packet, rays, traced, counter| {
-                let (zero, none) = (splat(s, 0.0), all(s, false));
-                let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
-                let aim = self.surface.as_ref().map(
-                    #[inline(always)]
-                    |surface| surface.aim(s, to_eye),
-                );
-                let met = Met { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], aim };
-                let crossed = Crossed { distance: [zero; 2], value: [zero; 2], lanes: none };
-                let mut search = Search { mode: self, rays, crossed, met };
-                each_surface(s, &self.field, rays, self.skip, counter, &mut search);
-                let met = search.met;
+                let met = self.follow(packet, rays, None, counter);
                 traced.set_color::<S>(met.color);
                 traced.set_surface(s, met.depth.is_finite(), met.depth, met.normal);
             },
@@ -109,7 +128,7 @@ struct Search<'a, S: Lanes, F> {
     mode: &'a Isosurfaces<'a, S, F>,
     rays: &'a Rays<S>,
     crossed: Crossed<S>,
-    met: Met<S>,
+    met: Surfacing<S>,
 }
 
 impl<S: Lanes, F: Field<S>> Visit<S> for Search<'_, S, F> {
@@ -136,6 +155,29 @@ impl<S: Lanes, F: Field<S>> Visit<S> for Search<'_, S, F> {
 }
 
 impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
+    /// What rays meet.
+    #[inline(always)]
+    fn follow(
+        &self,
+        packet: &Packet,
+        rays: &Rays<S>,
+        hits: Option<Vec<Hit<S>>>,
+        counter: &mut Counter<S>,
+    ) -> Surfacing<S> {
+        let s = self.s;
+        let (zero, none) = (splat(s, 0.0), all(s, false));
+        let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
+        let aim = self.surface.as_ref().map(
+            #[inline(always)]
+            |surface| surface.aim(s, to_eye),
+        );
+        let met = Surfacing { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], aim, hits };
+        let crossed = Crossed { distance: [zero; 2], value: [zero; 2], lanes: none };
+        let mut search = Search { mode: self, rays, crossed, met };
+        each_surface(s, &self.field, rays, self.skip, counter, &mut search);
+        search.met
+    }
+
     /// Lanes in which any level lies between two values.
     #[inline(always)]
     fn crosses(&self, value: [F32<S>; 2]) -> Mask<S> {
@@ -148,7 +190,7 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
 
     /// Adds the surfaces that segments cross, nearest first. Returns the rays that are done.
     #[inline(always)]
-    fn meet(&self, rays: &Rays<S>, crossed: &Crossed<S>, met: &mut Met<S>, counter: &mut Counter<S>) -> Mask<S> {
+    fn meet(&self, rays: &Rays<S>, crossed: &Crossed<S>, met: &mut Surfacing<S>, counter: &mut Counter<S>) -> Mask<S> {
         let s = self.s;
         let mut done = all(s, false);
         // A ray leaves the value at the segment's start and meets levels in the order of value.
@@ -186,6 +228,9 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
             let normal = normals(s, gradient).0;
             met.depth = first.select(distance, met.depth);
             met.normal = xyz!(I => first.select(normal[I], met.normal[I]));
+            if let Some(hits) = &mut met.hits {
+                hits.push(Hit { distance, rgba, normal, lanes });
+            }
             done |= lanes & met.color[3].simd_ge(splat(s, self.early_termination));
         }
         done

@@ -7,17 +7,21 @@
 //! the samples. What runs per sample is written once and compiled for every instruction set
 //! (`lanes`).
 
+mod apart;
 mod cells;
 mod chroma;
 mod classify;
 mod composite;
 mod cut;
+mod element;
 mod error;
 mod field;
 mod half_angle;
 mod integrator;
 mod isosurface;
 mod lanes;
+mod layers;
+mod lit;
 mod medium;
 mod modes;
 mod packet;

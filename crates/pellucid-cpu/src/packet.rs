@@ -40,6 +40,13 @@ impl Packet {
     };
 }
 
+impl Packet {
+    /// Length of the ray in a lane that has one, in steps.
+    pub fn length(&self, lane: usize) -> f64 {
+        f64::from(self.count[lane] - 1.0) + f64::from(self.last_ratio[lane])
+    }
+}
+
 /// One over directions, very large along axes that they do not move on.
 #[inline(always)]
 pub fn inverse<S: Lanes>(s: S, direction: &Vec3<S>) -> Vec3<S> {

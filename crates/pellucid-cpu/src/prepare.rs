@@ -4,15 +4,13 @@
 use std::sync::Arc;
 
 use pellucid_field::Grid;
-use pellucid_optics::{ResolvedLight, ShadowVolume, Shadows, StepTable};
+use pellucid_optics::StepTable;
 use pellucid_plan::{BlockContent, BlockMap, PlanCache, Tables};
-use pellucid_scene::{Control, Mode, Region, Stage, StageVolume};
+use pellucid_scene::{Region, Stage, StageVolume};
 
 use crate::RenderError;
 use crate::cut::Cuts;
 use crate::field::Bounds;
-use crate::lanes::InstructionSet;
-use crate::shadow::LightVolume;
 use crate::skip::{ExtremeGrid, Levels, SkipGrid};
 
 /// What is kept from frame to frame.
@@ -20,29 +18,17 @@ use crate::skip::{ExtremeGrid, Levels, SkipGrid};
 pub struct Cache {
     /// Tables and blocks of the data.
     pub plan: PlanCache,
+    layers: Vec<LayerCache>,
+}
+
+/// What is kept of each layer.
+#[derive(Default)]
+struct LayerCache {
     grids: Option<(Arc<Tables>, Arc<Grids>)>,
     extremes: Option<(Arc<Vec<f32>>, Arc<ExtremeGrid>)>,
-    lights: Option<(LightSettings, Arc<Vec<LightVolume>>)>,
 }
 
-/// Everything that light volumes depend on besides tables.
-struct LightSettings {
-    tables: Arc<Tables>,
-    lights: Vec<ResolvedLight>,
-    region: Region,
-    resolution: f64,
-}
-
-impl LightSettings {
-    fn are(&self, prepared: &Prepared, resolution: f64) -> bool {
-        Arc::ptr_eq(&self.tables, &prepared.tables)
-            && self.lights == prepared.stage.lights
-            && self.region == prepared.region
-            && self.resolution == resolution
-    }
-}
-
-impl Cache {
+impl LayerCache {
     fn new_grids(&mut self, tables: &Tables) -> Grids {
         let (mut skip, mut extremes) = (None, None);
         let levels = tables.blocks.as_ref().and_then(Levels::new);
@@ -65,34 +51,6 @@ impl Cache {
                 grid
             }
         }
-    }
-
-    /// The light in the volume of a stage, if it asks for such: the last one, if neither lights nor what
-    /// holds them back has changed.
-    ///
-    /// # Errors
-    /// As [`LightVolume::new`].
-    pub fn lights(
-        &mut self,
-        prepared: &Prepared,
-        set: InstructionSet,
-        control: &Control,
-    ) -> Result<Option<Arc<Vec<LightVolume>>>, RenderError> {
-        let Shadows::Volume(ShadowVolume { resolution }) = prepared.stage.shadows else { return Ok(None) };
-        if *prepared.stage.mode() != Mode::Composite || !prepared.is_lit() {
-            return Ok(None);
-        }
-        if let Some((settings, lights)) = &self.lights
-            && settings.are(prepared, resolution)
-        {
-            return Ok(Some(lights.clone()));
-        }
-        let (tables, lights, region) =
-            (prepared.tables.clone(), prepared.stage.lights.clone(), prepared.region.clone());
-        let volume = |light: (usize, &ResolvedLight)| LightVolume::new(prepared, light, resolution, set, control);
-        let made: Arc<Vec<LightVolume>> = Arc::new(lights.iter().enumerate().map(volume).collect::<Result<_, _>>()?);
-        self.lights = Some((LightSettings { tables, lights, region, resolution }, made.clone()));
-        Ok(Some(made))
     }
 
     fn grids(&mut self, tables: &Arc<Tables>) -> Arc<Grids> {
@@ -121,6 +79,8 @@ pub struct Grids {
 pub struct Prepared<'s> {
     /// What is drawn.
     pub stage: &'s Stage,
+    /// The number of its volume.
+    pub number: usize,
     /// Its volume, with optics.
     pub volume: &'s StageVolume,
     /// Where the field is neither clipped nor outside a slab.
@@ -155,7 +115,8 @@ impl<'s> Prepared<'s> {
             return Err(RenderError::Steps { found: steps, limit: MOST_STEPS });
         }
         let tables = cache.plan.tables(stage, layer)?;
-        let grids = cache.grids(&tables);
+        cache.layers.resize_with(stage.volumes.len(), LayerCache::default);
+        let grids = cache.layers[layer].grids(&tables);
         let length = stage.shadow_step(volume);
         let least = stage.chroma(volume).map_or(1.0, |chroma| chroma.least);
         let steps = |length| {
@@ -163,7 +124,7 @@ impl<'s> Prepared<'s> {
             Ok::<_, RenderError>(ShadowSteps { length, table })
         };
         let shadows = length.map(steps).transpose()?;
-        Ok(Self { stage, volume, region: stage.region(volume), tables, grids, shadows })
+        Ok(Self { stage, number: layer, volume, region: stage.region(volume), tables, grids, shadows })
     }
 
     /// Associated colours of one step.
@@ -190,4 +151,4 @@ impl<'s> Prepared<'s> {
 }
 
 /// Steps are numbered in `f32`, which counts to here without a gap.
-const MOST_STEPS: u32 = 1 << 24;
+pub const MOST_STEPS: u32 = 1 << 24;

@@ -35,12 +35,12 @@ impl<S: Lanes, F: Field<S>> Integrator for Extreme<'_, S, F> {
         s.vectorize(
             #[inline(always)]
             || {
-                let mut searches: Vec<Search<S>> = Vec::with_capacity(wave.len());
+                let mut searches: Vec<ExtremeSearch<S>> = Vec::with_capacity(wave.len());
                 for packet in wave {
                     let (rays, counter) = (Rays::new(s, packet), Counter::new(s));
                     let cells = Cells::new(s, &rays, self.field.knots());
                     let (best, depth) = (splat(s, f32::NEG_INFINITY), splat(s, f32::INFINITY));
-                    searches.push(Search { rays, counter, cells, best, depth, open: true });
+                    searches.push(ExtremeSearch { rays, counter, cells, best, depth, open: true });
                 }
                 while searches.iter().any(|search| search.open) {
                     for search in searches.iter_mut().filter(|search| search.open) {
@@ -59,7 +59,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Extreme<'_, S, F> {
 }
 
 /// A packet on its way to its extremes.
-struct Search<S: Lanes> {
+struct ExtremeSearch<S: Lanes> {
     rays: Rays<S>,
     counter: Counter<S>,
     cells: Cells<S>,
@@ -77,9 +77,9 @@ impl<S: Lanes, F: Field<S>> Extreme<'_, S, F> {
 
     /// Looks at the next pieces that may exceed the best.
     #[inline(always)]
-    fn run(&self, search: &mut Search<S>) {
+    fn run(&self, search: &mut ExtremeSearch<S>) {
         let s = self.s;
-        let Search { rays, counter, cells, .. } = search;
+        let ExtremeSearch { rays, counter, cells, .. } = search;
         let (mut best, mut depth) = (search.best, search.depth);
         if let Some(skip) = self.skip {
             let from = cells.ends[0];

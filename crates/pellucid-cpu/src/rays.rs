@@ -179,6 +179,42 @@ impl Emitter {
         packet.count.iter().filter(|&&count| count > 0.0).count() as u64
     }
 
+    /// Rays as of [`emit_pixels`](Self::emit_pixels) through several layers: a packet for each, and in front of them one
+    /// that says where the lattice of all of them begins. Returns how many rays met any.
+    pub fn emit_layers(
+        emitters: &[Self],
+        tile: &Tile,
+        corner: [usize; 2],
+        lanes: [usize; 2],
+        sub: (usize, usize),
+        packets: &mut Vec<Packet>,
+    ) -> u64 {
+        let first = packets.len();
+        packets.push(Packet::NOTHING);
+        for emitter in emitters {
+            let mut packet = Packet::NOTHING;
+            emitter.emit_pixels(tile, corner, lanes, sub, &mut packet);
+            packets.push(packet);
+        }
+        let (whole, own) = packets[first..].split_at_mut(1);
+        let (whole, step) = (&mut whole[0], emitters[0].step);
+        (whole.world_direction, whole.jitter) = (own[0].world_direction, own[0].jitter);
+        for lane in 0..MOST_LANES {
+            let met = || own.iter().filter(|packet| packet.count[lane] > 0.0);
+            let entry = met().map(|packet| packet.entry[lane]).fold(f64::INFINITY, f64::min);
+            let exit = met().map(|packet| packet.entry[lane] + packet.length(lane) * step);
+            let length = (exit.fold(f64::NEG_INFINITY, f64::max) - entry) / step;
+            if length > 0.0 {
+                (whole.entry[lane], whole.count[lane]) = (entry, length.ceil() as f32);
+            }
+        }
+        let hit = whole.count.iter().filter(|&&count| count > 0.0).count() as u64;
+        if hit == 0 {
+            packets.truncate(first);
+        }
+        hit
+    }
+
     fn emit_in<S: Lanes>(&self, s: S, x: &Wide, y: &Wide, wanted: &[bool; MOST_LANES], packet: &mut Packet) {
         s.vectorize(
             #[inline(always)]

@@ -10,10 +10,12 @@ use crate::RenderError;
 use crate::half_angle;
 use crate::integrator::{Integrator, Traced};
 use crate::lanes::InstructionSet;
+use crate::layers::Layers;
 use crate::packet::Packet;
 use crate::path_trace::PathTracer;
 use crate::prepare::{Cache, Prepared};
 use crate::rays::Emitter;
+use crate::shadow::LightCache;
 use crate::tiles::{TILE, Tile, Tiles};
 
 /// The CPU backend. Keep one for several frames: what depends on the data alone (blocks, filter
@@ -25,6 +27,7 @@ pub struct CpuRenderer {
     instructions: InstructionSet,
     tile: Option<usize>,
     cache: Cache,
+    lights: LightCache,
     tiles: Tiles,
 }
 
@@ -54,7 +57,12 @@ impl CpuRenderer {
 
     /// Whether this backend has the technique that a stage asks for.
     pub fn draws(stage: &Stage) -> bool {
-        !matches!(stage.technique, Technique::Slicing(_))
+        !matches!(stage.technique, Technique::Slicing(_)) && Self::merges(stage)
+    }
+
+    /// Whether the technique draws as many volumes as a stage has.
+    fn merges(stage: &Stage) -> bool {
+        !stage.has_layers() || matches!(stage.technique, Technique::RayCast(_) | Technique::PathTrace(_))
     }
 
     /// The same renderer with tiles of another side, in pixels (at least 1). The picture does not
@@ -100,9 +108,9 @@ impl CpuRenderer {
             // There is one more of them, in tiles.
             memory::afford(width.saturating_mul(height).saturating_mul(2 * Frame::PIXEL_BYTES))?;
         }
-        let Self { threads, tile, cache, tiles, .. } = self;
+        let Self { threads, tile, cache, lights, tiles, .. } = self;
         tiles.cover(width, height, tile.unwrap_or(TILE), stage.holds_back_each_color());
-        let work = || render(stage, control, set, cache, tiles, frame);
+        let work = || render(stage, control, set, (cache, lights), tiles, frame);
         match threads {
             Some(threads) => threads.run(work),
             None => parallel(work),
@@ -114,21 +122,27 @@ fn render(
     stage: &Stage,
     control: &Control,
     set: InstructionSet,
-    cache: &mut Cache,
+    (cache, lights): (&mut Cache, &mut LightCache),
     tiles: &mut Tiles,
     frame: &mut Frame,
 ) -> Result<(), RenderError> {
-    if stage.volumes.len() != 1 {
-        return Err(RenderError::Volumes { found: stage.volumes.len() });
+    if stage.volumes.is_empty() || !CpuRenderer::merges(stage) {
+        return Err(RenderError::Volumes { found: stage.volumes.len(), technique: stage.technique.name() });
     }
     let started = Instant::now();
     let drawing;
     match &stage.technique {
+        Technique::RayCast(_) if stage.has_layers() => {
+            let layers = Layers::new(stage, cache)?;
+            let (integrator, emitters) = (layers.integrator(set)?, layers.emitters(set));
+            drawing = Instant::now();
+            tiles.draw(control, |tile| draw_tile(stage, &emitters, integrator.as_ref(), control, tile))?;
+        }
         Technique::RayCast(_) => {
             let prepared = Prepared::new(stage, 0, cache)?;
-            let lights = cache.lights(&prepared, set, control)?;
+            let lights = lights.lights(&prepared, set, control)?;
             let integrator = prepared.integrator(set, lights.as_ref().map(|lights| lights.as_slice()))?;
-            let emitter = Emitter::of_eye(stage, prepared.grid(), &prepared.region, set);
+            let emitter = [Emitter::of_eye(stage, prepared.grid(), &prepared.region, set)];
             drawing = Instant::now();
             tiles.draw(control, |tile| draw_tile(stage, &emitter, integrator.as_ref(), control, tile))?;
         }
@@ -138,7 +152,7 @@ fn render(
             half_angle::draw(&prepared, settings, set, control, tiles)?;
         }
         Technique::PathTrace(settings) => {
-            let tracer = PathTracer::new(stage, 0, settings, &mut cache.plan)?;
+            let tracer = PathTracer::new(stage, settings, &mut cache.plan)?;
             let drawer = tracer.drawer()?;
             drawing = Instant::now();
             tiles.draw(control, |tile| drawer.draw(tile, control))?;
@@ -190,7 +204,7 @@ const WAVE: usize = 4;
 
 fn draw_tile(
     stage: &Stage,
-    emitter: &Emitter,
+    emitters: &[Emitter],
     integrator: &dyn Integrator,
     control: &Control,
     tile: &mut Tile,
@@ -212,17 +226,25 @@ fn draw_tile(
             corners.clear();
             for number in 0..WAVE * WAVE {
                 let (left, top) = (wave_left + number % WAVE * columns, wave_top + number / WAVE * rows);
-                let mut packet = Packet::NOTHING;
-                let hit = emitter.emit_pixels(tile, [left, top], [lanes, columns], (sub, n), &mut packet);
+                let hit = match emitters {
+                    [emitter] => {
+                        let mut packet = Packet::NOTHING;
+                        let hit = emitter.emit_pixels(tile, [left, top], [lanes, columns], (sub, n), &mut packet);
+                        wave.extend((hit > 0).then_some(packet));
+                        hit
+                    }
+                    _ => Emitter::emit_layers(emitters, tile, [left, top], [lanes, columns], (sub, n), &mut wave),
+                };
                 if hit > 0 {
                     tile.hit += hit;
-                    wave.push(packet);
                     traced.push(Traced::NOTHING);
                     corners.push((left, top));
                 }
             }
             integrator.trace(&wave, &mut traced, &mut tile.tally);
-            for ((packet, traced), &(left, top)) in wave.iter().zip(&traced).zip(&corners) {
+            // The first of a group of packets is that of all layers.
+            let group = wave.len() / traced.len().max(1);
+            for ((packet, traced), &(left, top)) in wave.iter().step_by(group.max(1)).zip(&traced).zip(&corners) {
                 for lane in (0..lanes).filter(|&lane| packet.count[lane] > 0.0) {
                     let found = traced.ray(lane, packet, stage.step);
                     tile.add(left + lane % columns, top + lane / columns, weight, &found);

@@ -12,7 +12,7 @@ use crate::projection::classified;
 
 /// The field on a plane, coloured at full opacity. (A slab of some thickness is a projection over
 /// a span between two planes.)
-pub struct Plane<'a, S, F> {
+pub struct SlicePlane<'a, S, F> {
     s: S,
     field: F,
     table: Lookup<'a>,
@@ -22,7 +22,7 @@ pub struct Plane<'a, S, F> {
     normal: [f32; 3],
 }
 
-impl<'a, S: Lanes, F: Field<S>> Plane<'a, S, F> {
+impl<'a, S: Lanes, F: Field<S>> SlicePlane<'a, S, F> {
     /// The plane through a world position across a unit normal.
     pub fn new(s: S, field: F, table: Lookup<'a>, grid: &Grid, point: DVec3, normal: DVec3) -> Self {
         let index_normal = (grid.world_from_index().matrix3.transpose() * normal).normalize();
@@ -38,7 +38,7 @@ impl<'a, S: Lanes, F: Field<S>> Plane<'a, S, F> {
     }
 }
 
-impl<S: Lanes, F: Field<S>> Integrator for Plane<'_, S, F> {
+impl<S: Lanes, F: Field<S>> Integrator for SlicePlane<'_, S, F> {
     fn width(&self) -> usize {
         width::<S>()
     }

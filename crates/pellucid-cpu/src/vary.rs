@@ -5,9 +5,9 @@ use pellucid_optics::{Chroma, Variation};
 
 use crate::chroma;
 use crate::classify::Classify;
+use crate::element::Element;
 use crate::field::turbulence;
 use crate::lanes::*;
-use crate::medium::Element;
 use crate::samples::Sample;
 
 /// What happens to classified samples, and to segments, by where they are.

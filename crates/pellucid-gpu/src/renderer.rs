@@ -91,6 +91,7 @@ impl GpuRenderer {
         let shadows = matches!((&stage.technique, stage.shadows), (_, Shadows::None) | (Technique::RayCast(_), _));
         let noisy = |volume: &StageVolume| volume.perturbation.displaces() || volume.perturbation.varies();
         match &stage.technique {
+            _ if stage.has_layers() => Some(format!("{} volumes in one picture", stage.volumes.len())),
             // Slices take a sample at its own place.
             Technique::Slicing(_) if stage.volumes.iter().any(noisy) => Some(format!("volumes.perturbation in {name}")),
             Technique::PathTrace(_) => lacks_of_paths(stage),

@@ -28,6 +28,21 @@ impl ColorMap {
         found.map(|map| Self { reversed, ..*map }).ok_or_else(|| unknown_name("colour map", name, Self::names()))
     }
 
+    /// The colours of a name over a window of data values: a map's or, if it is that of a [colour](Color::parse), this
+    /// one alone.
+    ///
+    /// # Errors
+    /// [`OpticsError::Name`], with the maps there are, and as [`points`](Self::points).
+    pub fn colors(name: &str, window: [f64; 2]) -> Result<Vec<ColorPoint>, OpticsError> {
+        match (Self::by_name(name), Color::parse(name)) {
+            (Err(_), Ok(color)) => {
+                ascending("window of a colour map", window)?;
+                Ok(vec![ColorPoint::new(window[0], color)])
+            }
+            (map, _) => map?.points(window),
+        }
+    }
+
     /// The names of all maps, without the reversed ones.
     pub fn names() -> impl Iterator<Item = &'static str> {
         maps::MAPS.iter().map(|map| map.name)

@@ -84,7 +84,7 @@ impl PlanCache {
             Some((of, tables)) if tables.are_of(&volume.volume) && *of == settings => Ok(tables.clone()),
             _ => {
                 let sources = Sources { kept, noises: &mut self.noises, most_blocks: self.most_blocks };
-                let made = Arc::new(Tables::new(stage, volume, sources)?);
+                let made = Arc::new(Tables::new(stage, layer, sources)?);
                 *tables = Some((settings, made.clone()));
                 Ok(made)
             }

@@ -13,6 +13,7 @@ mod kept;
 mod light_tables;
 mod majorants;
 mod noises;
+mod order;
 mod strides;
 mod tables;
 
@@ -22,5 +23,6 @@ pub use cache::PlanCache;
 pub use cautions::cautions;
 pub use light_tables::LightTables;
 pub use majorants::MajorantGrid;
+pub use order::merge_order;
 pub use strides::SAMPLES_PER_LOOK;
 pub use tables::{TableError, Tables};

@@ -72,7 +72,8 @@ impl Tables {
         Arc::ptr_eq(&self.volume, volume)
     }
 
-    pub(crate) fn new(stage: &Stage, volume: &StageVolume, from: Sources<'_>) -> Result<Self, TableError> {
+    pub(crate) fn new(stage: &Stage, layer: usize, from: Sources<'_>) -> Result<Self, TableError> {
+        let volume = &stage.volumes[layer];
         let Sources { kept, noises, most_blocks } = from;
         let quality = &stage.quality;
         let (field, component, filter) = match quality.filter {
@@ -113,8 +114,8 @@ impl Tables {
                 Mode::Minimum | Mode::Slice(Slice { combine: Combine::Minimum, .. }) => kept.extremes(ranges, true),
                 Mode::Maximum | Mode::Slice(Slice { combine: Combine::Maximum, .. }) => kept.extremes(ranges, false),
                 Mode::Composite | Mode::Additive | Mode::XRay => BlockContent::distances(ranges, visible),
-                Mode::Isosurface(isosurface) => {
-                    let levels: Vec<f32> = isosurface.isovalues.iter().map(|iso| iso.value as f32).collect();
+                Mode::Isosurface(_) => {
+                    let levels: Vec<f32> = stage.isovalues(layer).iter().map(|iso| iso.value as f32).collect();
                     let crossed = |low, high| levels.iter().any(|level| (low..=high).contains(level));
                     BlockContent::distances(ranges, crossed)
                 }

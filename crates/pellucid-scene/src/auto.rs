@@ -145,7 +145,7 @@ fn windowed(
 ) -> Result<TransferFunction, OpticsError> {
     let base = preset.map(|preset| preset.transfer_function(window)).transpose()?;
     let colors = match (&entry.colormap, &base) {
-        (Some(name), _) => ColorMap::by_name(name)?.points(window)?,
+        (Some(name), _) => ColorMap::colors(name, window)?,
         (None, Some(base)) => base.colors().to_vec(),
         (None, None) => ColorMap::by_name("gray")?.points(window)?,
     };

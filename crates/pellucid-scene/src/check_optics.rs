@@ -18,7 +18,7 @@ fn invalid(path: &str, key: &str, error: impl std::fmt::Display) -> Invalid {
 pub(crate) fn names(path: &str, preset: Option<&str>, colormap: Option<&str>, opacity: Option<&str>) -> Checked {
     let known = |key, error: Option<OpticsError>| error.map_or(Ok(()), |error| Err(invalid(path, key, error)));
     known("preset", preset.and_then(|name| Preset::by_name(name).err()))?;
-    known("colormap", colormap.and_then(|name| ColorMap::by_name(name).err()))?;
+    known("colormap", colormap.and_then(|name| ColorMap::colors(name, [0.0, 1.0]).err()))?;
     known("opacity", opacity.and_then(|name| opacity_shape(name, [0.0, 1.0]).err()))
 }
 

@@ -13,6 +13,7 @@ use crate::auto::{self, Chosen};
 use crate::brightness::brightness;
 use crate::choice::Choice;
 use crate::framing::Framed;
+use crate::fused::fuse;
 use crate::origin::{counted_from, origin_of};
 use crate::{Crop, ImageSettings, Invalid, Mode, Region, Scene, Stage, StageVolume, Technique, Viewpoint, VolumeEntry};
 
@@ -101,6 +102,7 @@ impl Scene {
         settled.camera = auto::settled_camera(&self.camera, &framed);
         // What is written down is what is drawn, to the bit.
         let viewpoint = settled.camera.viewpoint(width as usize, height as usize, &[]);
+        fuse(self.overlap, &mut staged).map_err(|error| ResolveError::Optics { path: "overlap".to_owned(), error })?;
         choices.extend(auto::camera_choice(&self.camera, &viewpoint));
         choices.extend(auto::lights_choice(&self.lighting, &self.technique));
         settled.lighting.lights = auto::lights(&self.lighting, &self.technique).to_vec();
@@ -111,6 +113,7 @@ impl Scene {
             shadows: self.lighting.shadows,
             light_model: self.lighting.model,
             volumes: staged,
+            overlap: self.overlap,
             viewpoint,
             technique,
             quality: self.quality.clone(),

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use crate::check::{self, Checked, finite, join, positive, require};
 use crate::check_optics;
-use crate::{Camera, Clip, ImageSettings, Invalid, ModelSource, Quality, Technique};
+use crate::{Camera, Clip, ImageSettings, Invalid, ModelSource, Overlap, Quality, Technique};
 
 /// Everything that decides a picture. Whatever is left out is chosen automatically or takes its
 /// documented default.
@@ -24,6 +24,8 @@ pub struct Scene {
     pub title: String,
     /// The volumes with their optics.
     pub volumes: Vec<VolumeEntry>,
+    /// What lies where several of them overlap. Default add.
+    pub overlap: Overlap,
     /// The camera; left out, it frames the volumes.
     pub camera: Camera,
     /// The lights; left out, one headlight, or none where an environment is the light.
@@ -44,6 +46,7 @@ impl Default for Scene {
             version: 1,
             title: String::new(),
             volumes: Vec::new(),
+            overlap: Overlap::default(),
             camera: Camera::default(),
             lighting: Lighting::default(),
             clips: Vec::new(),
@@ -81,7 +84,7 @@ pub struct VolumeEntry {
     /// distribution of the values, but for presets in Hounsfield units, which keep their own.
     #[serde(default)]
     pub window: Option<[f64; 2]>,
-    /// Name of a colour map, `_r` reverses it.
+    /// Name of a colour map, `_r` reverses it; or a colour, by its name or `#rrggbb`.
     #[serde(default)]
     pub colormap: Option<String>,
     /// Name of an opacity shape (linear, sigmoid_5, geom, foreground, ...), `_r` reverses it.
@@ -313,6 +316,7 @@ impl Scene {
         for (k, entry) in self.volumes.iter().enumerate() {
             entry.check(&format!("volumes[{k}]"))?;
         }
+        self.overlap.check(self.volumes.len())?;
         self.camera.check("camera")?;
         for (k, light) in self.lighting.lights.iter().enumerate() {
             check_optics::light(&format!("lighting.lights[{k}]"), light)?;

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use crate::origin::smallest_difference;
 use crate::{
-    Background, Classification, HalfAngle, ImageSettings, Mode, PathTrace, Quality, Region, RenderWarning, Slice,
-    Slicing, StageVolume, Technique, Viewpoint,
+    Background, Classification, HalfAngle, ImageSettings, Isosurface, Isovalue, Mode, Overlap, PathTrace, Quality,
+    Region, RenderWarning, Slice, Slicing, StageVolume, Technique, Viewpoint,
 };
 
 /// A scene with nothing left to choose: what a backend draws.
@@ -16,6 +16,8 @@ use crate::{
 pub struct Stage {
     /// The volumes.
     pub volumes: Vec<StageVolume>,
+    /// What lies where several of them overlap.
+    pub overlap: Overlap,
     /// The camera and the size of the picture.
     pub viewpoint: Viewpoint,
     /// Lights, all in the world's frame.
@@ -37,9 +39,23 @@ pub struct Stage {
 }
 
 impl Stage {
+    /// Whether several volumes are drawn.
+    pub fn has_layers(&self) -> bool {
+        self.volumes.len() > 1
+    }
+
     /// What is made of the samples.
     pub fn mode(&self) -> &Mode {
         self.technique.mode()
+    }
+
+    /// The isovalues that a volume is drawn with, by its number, in ascending order; they count from its origin.
+    pub fn isovalues(&self, volume: usize) -> Vec<Isovalue> {
+        let Mode::Isosurface(Isosurface { isovalues }) = self.mode() else { return Vec::new() };
+        let own = isovalues.iter().filter(|iso| iso.volume.is_none_or(|of| of == volume));
+        // Those of the stage count from the first volume's.
+        let shift = self.volumes[volume].origin - self.volumes[0].origin;
+        own.map(|iso| Isovalue { value: iso.value - shift, ..iso.clone() }).collect()
     }
 
     /// The settings of slices, if those draw.
@@ -78,14 +94,20 @@ impl Stage {
 
     /// The step of shadow rays in world units, if what is lit of a volume asks for such.
     pub fn shadow_step(&self, volume: &StageVolume) -> Option<f64> {
-        let smallest = volume.volume.grid().smallest_spacing();
+        let smallest = self.volumes.iter().map(|volume| volume.volume.grid().smallest_spacing());
+        let smallest = smallest.fold(f64::INFINITY, f64::min);
         let step = match (&self.technique, self.mode(), self.shadows) {
             (Technique::RayCast(_), Mode::Composite | Mode::Isosurface(_), Shadows::Rays(rays)) => rays.step,
-            // Shadows of surfaces have edges.
+            // Shadows of surfaces have edges, and a light volume is that of one volume.
             (Technique::RayCast(_), Mode::Isosurface(_), Shadows::Volume(_)) => ShadowRays::default().step,
+            (Technique::RayCast(_), Mode::Composite, Shadows::Volume(_)) if self.has_layers() => {
+                ShadowRays::default().step
+            }
             _ => return None,
         };
-        (self.scatters() || volume.material.is_some()).then_some(step * smallest)
+        // What casts shadows need not be lit itself.
+        let lit = self.volumes.iter().any(|other| other.material.is_some());
+        (self.scatters() || volume.material.is_some() || self.has_layers() && lit).then_some(step * smallest)
     }
 
     /// How each colour of light is held back on its way to the eye and from lights, where techniques composite samples
@@ -93,7 +115,7 @@ impl Stage {
     /// opacity.
     pub fn chroma(&self, volume: &StageVolume) -> Option<Chroma> {
         let composites = match self.technique {
-            Technique::RayCast(_) => *self.mode() == Mode::Composite,
+            Technique::RayCast(_) => *self.mode() == Mode::Composite && !self.has_layers(),
             Technique::HalfAngle(_) => true,
             Technique::Slicing(_) | Technique::PathTrace(_) => false,
         };
@@ -105,7 +127,7 @@ impl Stage {
     pub fn holds_back_each_color(&self) -> bool {
         let by_paths = self.path_trace().is_some();
         self.volumes.iter().any(|volume| match by_paths {
-            true => volume.scattering.extinction_factors().is_some(),
+            true => volume.scattering.extinction_factors().is_some() && !self.has_layers(),
             false => self.chroma(volume).is_some(),
         })
     }
@@ -113,7 +135,9 @@ impl Stage {
     /// Points of a light volume for each voxel and axis, if what is lit of a volume asks for one.
     pub fn light_resolution(&self, volume: &StageVolume) -> Option<f64> {
         match (&self.technique, self.mode(), self.shadows) {
-            (Technique::RayCast(_), Mode::Composite, Shadows::Volume(ShadowVolume { resolution })) => {
+            (Technique::RayCast(_), Mode::Composite, Shadows::Volume(ShadowVolume { resolution }))
+                if !self.has_layers() =>
+            {
                 (self.scatters() || volume.material.is_some()).then_some(resolution)
             }
             _ => None,
@@ -169,9 +193,13 @@ impl Stage {
                 Some(_) => None,
             }
         });
+        let by_rays =
+            self.has_layers() && matches!(self.shadows, Shadows::Volume(_)) && *self.mode() == Mode::Composite;
+        let by_rays =
+            by_rays.then(|| "lighting.shadows.volume is that of one volume: several cast shadow rays".to_owned());
         let unseen = self.image.background == Background::Environment && self.sky().is_none();
         let unseen = unseen.then(|| format!("image.background is the environment, and {name} has none: it is black"));
-        let ignored = lights.chain(volumes).filter(move |_| !by_paths);
+        let ignored = lights.filter(move |_| !by_paths).chain(volumes.filter(move |_| !by_paths || self.has_layers()));
         let volumes = self.volumes.iter().enumerate();
         let merged = volumes.filter_map(|(number, staged)| {
             let (range, gap) = (staged.volume.statistics(), smallest_difference(&staged.volume)?);
@@ -188,7 +216,12 @@ impl Stage {
                  precision of samples: what it shows between them is not seen; shift and scale the data's values"
             ))
         });
-        ignored.chain(unseen).chain(merged).chain(points).map(|reason| RenderWarning::Fallback { reason })
+        ignored
+            .chain(by_rays)
+            .chain(unseen)
+            .chain(merged)
+            .chain(points)
+            .map(|reason| RenderWarning::Fallback { reason })
     }
 
     /// The environment, if the technique has one that is not dark.
@@ -225,7 +258,12 @@ impl Stage {
 
     /// A slice's point and unit normal, with their automatic values filled in.
     pub fn slice_plane(&self, volume: &StageVolume, slice: &Slice) -> (DVec3, DVec3) {
-        let point = volume.slice_point(slice);
+        // Of several volumes the middle is that of all of them.
+        let points = self.volumes.iter().map(|volume| volume.slice_point(slice));
+        let point = match &*self.volumes {
+            [_, _, ..] => points.sum::<DVec3>() / self.volumes.len() as f64,
+            _ => volume.slice_point(slice),
+        };
         let normal = slice.normal.map_or(-self.viewpoint.forward, DVec3::from_array);
         (point, normal.normalize())
     }

@@ -101,6 +101,7 @@ struct Need {
 /// Settings and their needs; the first that is not met is told. Settings of speed alone are not here: the picture never
 /// depends on them.
 const NEEDS: &[(&str, &[Need])] = &[
+    ("overlap", &[LAYERED, NOT_OF_SURFACES]),
     ("camera.frame", &[FREE]),
     ("camera.view.orbit.distance", &[FROM_A_POINT]),
     ("volumes[].window", &[CLASSIFIED_OR_PRESET, SPREAD]),
@@ -140,6 +141,13 @@ const NEEDS: &[(&str, &[Need])] = &[
     ("quality.adaptive_tolerance", &[BY_RAYS, COMPOSITED, POST_CLASSIFIED]),
     ("quality.supersampling", &[NOT_BY_PATHS]),
 ];
+
+const LAYERED: Need = Need { is_met: |drawn| drawn.stage.has_layers(), otherwise: "there is one volume" };
+
+const NOT_OF_SURFACES: Need = Need {
+    is_met: |drawn| drawn.stage.path_trace().is_none() && !matches!(drawn.stage.mode(), Mode::Isosurface(_)),
+    otherwise: "surfaces and paths meet all volumes",
+};
 
 const FROM_A_POINT: Need = Need {
     // Rays that begin within the volume miss what lies behind the eye.

@@ -71,6 +71,12 @@ pub fn load_with(
     let mut warnings = Vec::new();
     let mut volumes = Vec::with_capacity(scene.volumes.len());
     for (k, entry) in scene.volumes.iter().enumerate() {
+        // Channels of a file are layers of the same voxels.
+        if let Some(same) = scene.volumes[..k].iter().position(|other| other.source == entry.source) {
+            let same: Arc<Volume> = Arc::clone(&volumes[same]);
+            volumes.push(same);
+            continue;
+        }
         let volume = match &entry.source {
             Source::File(path) => read(&folder.locate(path)?, &options.read, &mut warnings)?,
             Source::Raw { path, dims, voxel_type, components, skip, big_endian } => {

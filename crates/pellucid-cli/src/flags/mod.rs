@@ -1,6 +1,7 @@
 //! The flags that change a scene, one group per part of the document.
 
 mod camera;
+mod channels;
 mod clipping;
 mod given;
 mod look;
@@ -30,6 +31,8 @@ pub struct SceneFlags {
     camera: camera::CameraFlags,
     #[command(flatten)]
     look: look::LookFlags,
+    #[command(flatten)]
+    channels: channels::ChannelFlags,
     #[command(flatten)]
     technique: technique::TechniqueFlags,
     #[command(flatten)]
@@ -110,6 +113,8 @@ impl SceneFlags {
         self.look.apply(&mut scene)?;
         self.quality.apply(&mut scene);
         self.clipping.apply(&mut scene)?;
+        // Layers are otherwise as the volume that flags describe.
+        self.channels.apply(&mut scene)?;
         Ok(scene)
     }
 }

@@ -249,7 +249,7 @@ fn isovalue(text: &str) -> Result<Isovalue, String> {
     let color = parts.next().map(values::color).transpose()?;
     let opacity = parts.next().map_or(Ok(1.0), values::number32)?;
     match parts.next() {
-        None => Ok(Isovalue { value, color, opacity }),
+        None => Ok(Isovalue { value, color, opacity, volume: None }),
         Some(rest) => Err(format!("expected VALUE, COLOR and OPACITY, found '{rest}' as well")),
     }
 }

@@ -24,7 +24,7 @@ fn blocks(text: &str, language: &str) -> Vec<String> {
 const NOT_RUN: [(&str, &str); 3] = [
     ("./test", "it runs this test"),
     ("./test --quick", "it runs this test"),
-    ("cargo install --path crates/pellucid", "it builds everything once more, outside of the checkout"),
+    ("cargo install --path crates/pellucid-cli", "it builds everything once more, outside of the checkout"),
 ];
 
 /// Words of a line of a shell, of which the README quotes none with blanks in it.
@@ -47,6 +47,9 @@ fn with_files() -> TempDir {
     let bytes: Vec<u8> = (0..12 * 12 * 12).map(|k| (k % 256) as u8).collect();
     let engine = Volume::new(Grid::new([12; 3]).unwrap(), Voxels::from(bytes)).unwrap();
     write(at("engine.nrrd"), &engine, &WriteOptions::default()).unwrap();
+    let two: Vec<u8> = (0..2 * 12 * 12 * 12).map(|k| (k % 251) as u8).collect();
+    let cells = Volume::with_components(Grid::new([12; 3]).unwrap(), Voxels::from(two), 2).unwrap();
+    write(at("cells.nrrd"), &cells, &WriteOptions::default()).unwrap();
     let scene = "volumes = [{ source.sample = { name = \"head\", dims = [20, 24, 24] } }]\n\
         image = { width = 40, height = 30 }\n";
     std::fs::write(at("scene.toml"), scene).unwrap();

@@ -9,6 +9,34 @@ use tempfile::tempdir;
 
 const SMALL: [&str; 4] = ["--size", "24x16", "--quiet", "-o"];
 
+/// Two components of a file, each in a colour of its own.
+#[test]
+fn channels_are_layers_in_colors() {
+    let folder = tempdir().unwrap();
+    // Along x first one channel, then both, then the other.
+    let values: Vec<u8> = (0..8 * 8 * 9).flat_map(|k| [u8::from(k % 9 < 6) * 255, u8::from(k % 9 > 2) * 255]).collect();
+    let header =
+        b"NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 9 8 8\nkinds: vector domain domain domain\nencoding: raw\n\n";
+    std::fs::write(folder.path().join("two.nrrd"), [&header[..], &values].concat()).unwrap();
+    let flags = ["two.nrrd", "--channels", "0:lime,1:#f0f", "--azimuth", "0", "--elevation", "0", "--orthographic"];
+    let flags = [&flags[..], &["--encoding", "linear", "--background", "black", "--shading", "off", "--window", "0,1"]]
+        .concat();
+    render(folder.path(), &flags, "two.png");
+    let drawn = picture(&folder.path().join("two.png"));
+    let row = &drawn.pixels[8 * 24..9 * 24];
+    let (left, middle, right) = (row[8], row[12], row[16]);
+    assert!(left[1] > 0.8 && left[0] < 0.01 && left[2] < 0.01, "{left:?}");
+    assert!(right[1] < 0.01 && right[0] > 0.8 && right[2] > 0.8, "{right:?}");
+    // Of the same extinction, each gives half of the light.
+    assert!(middle[..3].iter().all(|v| (v - 0.5).abs() < 0.05), "{middle:?}");
+    let scene = scene_in(folder.path(), &flags);
+    assert_eq!((&scene["volumes"][0]["component"], &scene["volumes"][1]["component"]), (&0.into(), &1.into()));
+    let message = fail_in(folder.path(), &["render", "two.nrrd", "--channels", "0:grene"], 2);
+    assert!(message.contains("green"), "{message}");
+    let message = fail_in(folder.path(), &["render", "two.nrrd", "--channels", "0:green,2:red"], 2);
+    assert!(message.contains("2 components"), "{message}");
+}
+
 fn render(folder: &Path, args: &[&str], output: &str) {
     succeed_in(folder, &[&["render"], args, &SMALL, &[output]].concat());
 }

@@ -16,7 +16,7 @@ use crate::lanes::*;
 /// a border or a clip.
 pub struct Separable<'a, T> {
     voxels: Cubes<'a, T>,
-    values: Values<'a, T>,
+    values: Reading<'a, T>,
     knots: Knots,
     /// Across an axis and along it.
     gradient: [Kernel; 2],
@@ -31,7 +31,7 @@ pub struct Separable<'a, T> {
 }
 
 /// How values are made of voxels.
-enum Values<'a, T> {
+enum Reading<'a, T> {
     Nearest,
     Linear(Box<Trilinear<'a, T>>),
     Sum(Kernel),
@@ -51,9 +51,9 @@ impl<'a, T: Texel> Separable<'a, T> {
     ) -> Option<Self> {
         let (filter, voxels) = (exact.field().filter(), Cubes::new(&view)?);
         let values = match filter {
-            Filter::Nearest => Values::Nearest,
-            Filter::Linear => Values::Linear(Box::new(trilinear)),
-            _ => Values::Sum(Kernel::of_filter(filter).filter(|kernel| voxels.hold(kernel.taps()))?),
+            Filter::Nearest => Reading::Nearest,
+            Filter::Linear => Reading::Linear(Box::new(trilinear)),
+            _ => Reading::Sum(Kernel::of_filter(filter).filter(|kernel| voxels.hold(kernel.taps()))?),
         };
         let kernels = Kernel::of_gradient(filter, gradient);
         if !voxels.hold(kernels[0].taps()) {
@@ -80,9 +80,9 @@ impl<S: Lanes, T: Texel> Field<S> for Separable<'_, T> {
     #[inline(always)]
     fn values(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> F32<S> {
         let stored = match &self.values {
-            Values::Linear(field) => return field.values(s, index, lanes),
-            Values::Nearest => self.voxels.nearest(s, &index),
-            Values::Sum(kernel) => self.voxels.sum(s, &index, kernel),
+            Reading::Linear(field) => return field.values(s, index, lanes),
+            Reading::Nearest => self.voxels.nearest(s, &index),
+            Reading::Sum(kernel) => self.voxels.sum(s, &index, kernel),
         };
         let value = stored.mul_add(splat(s, self.scale), splat(s, self.offset));
         if !T::TYPE.is_integer() {
@@ -97,7 +97,7 @@ impl<S: Lanes, T: Texel> Field<S> for Separable<'_, T> {
     #[inline(always)]
     fn corners(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Option<Corners<S>> {
         match &self.values {
-            Values::Linear(field) => field.corners(s, index, lanes),
+            Reading::Linear(field) => field.corners(s, index, lanes),
             _ => None,
         }
     }
@@ -127,7 +127,7 @@ impl<S: Lanes, T: Texel> Field<S> for Separable<'_, T> {
 
     #[inline(always)]
     fn prefetch(&self, s: S, index: Vec3<S>) {
-        if let Values::Linear(field) = &self.values {
+        if let Reading::Linear(field) = &self.values {
             field.prefetch(s, index);
         }
     }
@@ -139,8 +139,8 @@ impl<S: Lanes, T: Texel> Field<S> for Separable<'_, T> {
     #[inline(always)]
     fn highest(&self, s: S, piece: &[Vec3<S>; 2], sign: f32, above: F32<S>, lanes: Mask<S>) -> [F32<S>; 2] {
         match &self.values {
-            Values::Linear(field) => field.highest(s, piece, sign, above, lanes),
-            Values::Nearest | Values::Sum(_) => highest_sampled(s, self, piece, sign, lanes),
+            Reading::Linear(field) => field.highest(s, piece, sign, above, lanes),
+            Reading::Nearest | Reading::Sum(_) => highest_sampled(s, self, piece, sign, lanes),
         }
     }
 }

@@ -95,6 +95,29 @@ impl Bounds {
         nearest.max(zero)
     }
 
+    /// Between how many lengths of a direction from positions, wherever these are, the way lies in the box and region;
+    /// the first is not less than 0, and not less than the second where there is no such way.
+    #[inline(always)]
+    pub fn span<S: Lanes>(&self, s: S, p: &Vec3<S>, direction: &Vec3<S>, inverse: &Vec3<S>) -> [F32<S>; 2] {
+        let (zero, far) = (splat(s, 0.0), splat(s, f32::INFINITY));
+        let (mut enter, mut exit) = (zero, far);
+        for axis in 0..3 {
+            let (low, high) = (splat(s, self.low[axis]), splat(s, self.high[axis]));
+            let ascends = inverse[axis].simd_gt(zero);
+            enter = enter.max((ascends.select(low, high) - p[axis]) * inverse[axis]);
+            exit = exit.min((ascends.select(high, low) - p[axis]) * inverse[axis]);
+        }
+        for (normal, offset) in &self.planes {
+            let normal = xyz!(I => splat(s, normal[I]));
+            let (slope, above) = (dot::<S>(normal, *direction), dot::<S>(normal, *p) - *offset);
+            let along = slope.simd_eq(zero);
+            let crossing = above / along.select(splat(s, -1e-30), -slope);
+            enter = slope.simd_gt(zero).select(enter.max(crossing), enter);
+            exit = slope.simd_gt(zero).select(exit, exit.min(crossing));
+        }
+        [enter, exit]
+    }
+
     /// The faces on which rays in some directions enter at positions: unit normals inwards, and their offsets;
     /// negative infinity, so that everything is deep behind it, where a ray enters in the middle of the field.
     #[inline(always)]

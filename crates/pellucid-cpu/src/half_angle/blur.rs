@@ -3,10 +3,10 @@
 
 use pellucid_scene::InScatter;
 
-use super::advance::{Radius, Step, texels};
-use super::buffer::{LightBuffer, MOST_CHANNELS, Shape};
+use super::buffer::{LightBuffer, MOST_CHANNELS, Shape, texels};
 use super::frame::Project;
 use super::matter::Band;
+use super::step::{Radius, Step};
 use crate::lanes::*;
 use crate::packet::PerLane;
 

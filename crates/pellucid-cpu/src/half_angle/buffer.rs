@@ -55,7 +55,7 @@ pub struct LightBuffer {
 pub const MOST_CHANNELS: usize = 4;
 
 /// Places between texels.
-pub struct Place<S: Lanes> {
+pub struct TexelPlace<S: Lanes> {
     offset: I32<S>,
     u: F32<S>,
     v: F32<S>,
@@ -103,7 +103,7 @@ impl LightBuffer {
     /// Where picture positions, in texels, are between the middles of four texels. Outside there is light as
     /// it entered.
     #[inline(always)]
-    pub fn place<S: Lanes>(&self, s: S, [x, y]: [F32<S>; 2]) -> Place<S> {
+    pub fn place<S: Lanes>(&self, s: S, [x, y]: [F32<S>; 2]) -> TexelPlace<S> {
         let Shape { height, pad, stride, .. } = self.shape;
         let middle = pad as f32 - 0.5;
         // Below the last texel of a plane, so that the next one is there, too; 0 for NaN.
@@ -112,12 +112,12 @@ impl LightBuffer {
         let y = within(s, y + middle, last[1]);
         let (column, row) = (x.to_int::<I32<S>>(), y.to_int::<I32<S>>());
         let offset = column + row * stride as i32;
-        Place { offset, u: x - column.to_float::<F32<S>>(), v: y - row.to_float::<F32<S>>() }
+        TexelPlace { offset, u: x - column.to_float::<F32<S>>(), v: y - row.to_float::<F32<S>>() }
     }
 
     /// Light at places.
     #[inline(always)]
-    pub fn fetch<S: Lanes>(&self, s: S, place: &Place<S>) -> Light<S> {
+    pub fn fetch<S: Lanes>(&self, s: S, place: &TexelPlace<S>) -> Light<S> {
         assert!(self.lost.len() == self.shape.len() * self.channels());
         let (base, row) = (self.lost.as_ptr(), self.shape.stride);
         let fresh = |channel: usize| splat(s, self.fresh[channel]);
@@ -148,4 +148,10 @@ impl LightBuffer {
         });
         Light { direct: fresh(0) - lost[0], indirect: Some(xyz!(C => fresh(C + 1) - lost[C + 1])) }
     }
+}
+
+/// Numbers of texels from a place on.
+#[inline(always)]
+pub fn texels<S: Lanes>(s: S, numbers: &[f32], from: usize) -> F32<S> {
+    F32::<S>::from_slice(s, &numbers[from..from + width::<S>()])
 }

@@ -18,6 +18,7 @@ mod eye;
 mod frame;
 mod lengths;
 mod matter;
+mod step;
 mod sweep;
 mod transport;
 mod work;

@@ -6,9 +6,9 @@ use pellucid_plan::half_angle::{Geometry, Ways, into_cone, taps};
 use pellucid_scene::{BlurScaling, HalfAngle, InScatter};
 use rayon::prelude::*;
 
-use super::advance::{Radius, Step};
 use super::buffer::{LightBuffer, Shape};
 use super::matter::{BAND, Band, Matter, TILE, run_length};
+use super::step::{Radius, Step};
 use super::work::{Seen, around, needed};
 use crate::RenderError;
 use crate::field::Field;

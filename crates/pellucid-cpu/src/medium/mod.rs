@@ -1,20 +1,26 @@
 //! What lies along rays: one answer to the questions of all techniques, whatever it is made of.
+//!
+//! [`OneGrid`] is a volume with its optics, compiled into the loops of the modes. [`Many`] are several, each behind
+//! [`Layer`], merged sample by sample.
 
+mod choice;
+mod many;
+mod merge;
 mod one_grid;
+mod ways;
 
-pub use one_grid::{Integrals, OneGrid};
+pub use choice::WithMedium;
+pub use many::Many;
+pub use merge::merged;
+pub use one_grid::{Integrals, OneGrid, Segmented};
+pub use ways::{Span, Ways};
 
 use crate::cut::Cut;
+use crate::element::Element;
 use crate::lanes::*;
+use crate::packet::{Packet, Rays};
+use crate::samples::Sample;
 use crate::surface::Aim;
-
-/// The optical element at samples, or of segments.
-pub struct Element<S: Lanes> {
-    /// Associated linear RGB and opacity: of one step, or of a segment's own length.
-    pub rgba: [F32<S>; 4],
-    /// Lanes with any opacity.
-    pub visible: Mask<S>,
-}
 
 /// What light needs of the eye's rays.
 pub struct Beam<S: Lanes> {
@@ -22,4 +28,27 @@ pub struct Beam<S: Lanes> {
     pub aim: Aim<S>,
     /// The faces of cut matter by which rays came in.
     pub cut: Cut<S>,
+}
+
+/// Pieces of rays between two nodes of their lattice, or what of them lies in a layer.
+pub struct Piece<S: Lanes> {
+    /// The sample that stands for them.
+    pub sample: Sample<S>,
+    /// Distances of their ends, in steps.
+    pub ends: [F32<S>; 2],
+}
+
+/// A volume among others.
+pub trait Layer<S: Lanes>: Sync {
+    /// What light needs of the eye's rays, if samples are lit.
+    fn aim(&self, packet: &Packet, rays: &Rays<S>) -> Option<Beam<S>>;
+
+    /// How many steps from index positions on nothing can be seen, or a little less.
+    fn leap(&self, index: &Vec3<S>, inverse: &Vec3<S>) -> F32<S>;
+
+    /// What pieces of rays in it send to the eye, over their own length; `None` if none has any opacity.
+    fn at(&self, rays: &Rays<S>, beam: Option<&Beam<S>>, piece: &Piece<S>) -> Option<Element<S>>;
+
+    /// Unit normals of the field at index positions; zero where there is none.
+    fn normals(&self, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S>;
 }

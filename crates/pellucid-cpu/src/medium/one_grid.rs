@@ -2,10 +2,11 @@
 
 use pellucid_optics::Chroma;
 
-use super::{Beam, Element};
+use super::{Beam, Layer, Piece};
 use crate::chroma;
 use crate::classify::{Classify, Segments};
 use crate::cut::Cuts;
+use crate::element::Element;
 use crate::field::Field;
 use crate::lanes::*;
 use crate::packet::{Packet, Rays};
@@ -139,5 +140,89 @@ impl<S: Lanes, F: Field<S>, V: Vary> OneGrid<'_, S, F, Integrals<'_, V>> {
         let [from, to] = [present[0].select(front, back), present[1].select(back, front)];
         let rgba = self.optics.table.lookup(s, [from, to], length, lanes);
         (rgba, lanes & rgba[3].simd_gt(splat(s, 0.0)))
+    }
+}
+
+/// Of optics of segments, as one of several layers.
+pub struct Segmented<M>(pub M);
+
+impl<S: Lanes, F: Field<S>, O> OneGrid<'_, S, F, O> {
+    #[inline(always)]
+    fn way(&self, index: &Vec3<S>, inverse: &Vec3<S>) -> F32<S> {
+        match self.skip {
+            Some(skip) => skip.way(self.s, index, inverse),
+            None => splat(self.s, 0.0),
+        }
+    }
+}
+
+/// Behind one virtual call for a packet, entered with the instruction set switched on.
+impl<S: Lanes, F: Field<S>, C: Classify<S>> Layer<S> for OneGrid<'_, S, F, C> {
+    fn aim(&self, packet: &Packet, rays: &Rays<S>) -> Option<Beam<S>> {
+        self.s.vectorize(
+            #[inline(always)]
+            || self.beam(packet, rays),
+        )
+    }
+
+    fn leap(&self, index: &Vec3<S>, inverse: &Vec3<S>) -> F32<S> {
+        self.s.vectorize(
+            #[inline(always)]
+            || self.way(index, inverse),
+        )
+    }
+
+    fn at(&self, _: &Rays<S>, beam: Option<&Beam<S>>, piece: &Piece<S>) -> Option<Element<S>> {
+        self.s.vectorize(
+            #[inline(always)]
+            || match self.surface {
+                Some(_) => self.sample::<true>(beam, &piece.sample),
+                None => self.sample::<false>(beam, &piece.sample),
+            },
+        )
+    }
+
+    fn normals(&self, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
+        self.s.vectorize(
+            #[inline(always)]
+            || self.normals_at(index, lanes),
+        )
+    }
+}
+
+impl<S: Lanes, F: Field<S>, V: Vary> Layer<S> for Segmented<OneGrid<'_, S, F, Integrals<'_, V>>> {
+    fn aim(&self, packet: &Packet, rays: &Rays<S>) -> Option<Beam<S>> {
+        self.0.s.vectorize(
+            #[inline(always)]
+            || self.0.beam(packet, rays),
+        )
+    }
+
+    fn leap(&self, index: &Vec3<S>, inverse: &Vec3<S>) -> F32<S> {
+        self.0.s.vectorize(
+            #[inline(always)]
+            || self.0.way(index, inverse),
+        )
+    }
+
+    fn at(&self, rays: &Rays<S>, beam: Option<&Beam<S>>, piece: &Piece<S>) -> Option<Element<S>> {
+        let (medium, s) = (&self.0, self.0.s);
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let Piece { sample: Sample { ratio, lanes, .. }, ends: [from, to] } = *piece;
+                let front = medium.field.values(s, rays.at(from), lanes);
+                let back = medium.field.values(s, rays.at(to), lanes);
+                let segment = Segment { distance: [from, to], length: ratio, value: [front, back], lanes };
+                medium.between(rays, beam, &segment)
+            },
+        )
+    }
+
+    fn normals(&self, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
+        self.0.s.vectorize(
+            #[inline(always)]
+            || self.0.normals_at(index, lanes),
+        )
     }
 }

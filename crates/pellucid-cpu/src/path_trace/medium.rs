@@ -1,5 +1,6 @@
 //! The medium that paths cross: where they collide and how much light gets through.
 
+use glam::DVec3;
 use pellucid_plan::MajorantGrid;
 
 use super::extinction::Extinctions;
@@ -33,13 +34,13 @@ pub struct Medium<'a, F> {
 /// What a flight comes to in the medium.
 enum Event {
     /// A collision that may be one with the medium.
-    Met(Met),
+    Met(Tentative),
     /// An optical depth of minorants on the way.
     Passed(f32),
 }
 
 /// A collision with a medium as dense as a majorant.
-struct Met {
+struct Tentative {
     /// In world units from the flight's origin.
     distance: f32,
     /// The data value there.
@@ -71,7 +72,7 @@ impl<F: Values> Medium<'_, F> {
     ) -> Option<Collision> {
         let mut collision = None;
         self.visit::<false>(flight, random, looks, |event, random| {
-            let Event::Met(Met { distance, value, chance }) = event else { return false };
+            let Event::Met(Tentative { distance, value, chance }) = event else { return false };
             let number = random.number();
             let is_real = match self.chroma {
                 None => number < chance,
@@ -83,6 +84,12 @@ impl<F: Values> Medium<'_, F> {
             is_real
         });
         collision
+    }
+
+    /// The extinction at a position of the world, if it lies in the medium.
+    pub fn extinction(&self, world: DVec3) -> Option<f32> {
+        let at = self.space.index(world).as_vec3();
+        self.space.contains(at).then(|| self.extinctions.at(self.field.value(at)) * self.field.extinction(at))
     }
 
     /// An estimate of the share of each colour that gets through.
@@ -115,7 +122,7 @@ impl<F: Values> Medium<'_, F> {
                     }
                     lessen(&mut through, factors, &mut passed);
                 }
-                Event::Met(Met { chance, .. }) => {
+                Event::Met(Tentative { chance, .. }) => {
                     for (through, factor) in through.iter_mut().zip(factors) {
                         *through *= 1.0 - factor * chance;
                     }
@@ -166,7 +173,7 @@ impl<F: Values> Medium<'_, F> {
                     let value = self.field.value(at);
                     let extinction = self.extinctions.at(value) * self.field.extinction(at);
                     let chance = ((extinction - minorant) / rate).clamp(0.0, 1.0);
-                    if is_last(Event::Met(Met { distance, value, chance }), random) {
+                    if is_last(Event::Met(Tentative { distance, value, chance }), random) {
                         return;
                     }
                     depth = random.depth();
@@ -215,7 +222,7 @@ mod tests {
     use pellucid_scene::{Majorants, Scene, Source, VolumeEntry};
 
     use super::*;
-    use crate::path_trace::values::Trilinear;
+    use crate::path_trace::values::ScalarTrilinear;
 
     const SIDE: usize = 17;
 
@@ -224,7 +231,7 @@ mod tests {
         dense: f32,
         majorants: Majorants,
         chroma: Option<[f32; 3]>,
-        look: impl FnOnce(&Medium<Trilinear<f32>>) -> R,
+        look: impl FnOnce(&Medium<ScalarTrilinear<f32>>) -> R,
     ) -> R {
         let values: Vec<f32> = (0..SIDE.pow(3)).map(|k| (k % SIDE) as f32 / (SIDE - 1) as f32).collect();
         let volume = Arc::new(Volume::new(Grid::new([SIDE; 3]).unwrap(), values).unwrap());
@@ -242,7 +249,7 @@ mod tests {
         let Voxels::F32(data) = volume.volume.voxels() else { unreachable!() };
         let region = stage.region(volume);
         look(&Medium {
-            field: Trilinear::new(ComponentView::new(&volume.volume, data, 0)).unwrap(),
+            field: ScalarTrilinear::new(ComponentView::new(&volume.volume, data, 0)).unwrap(),
             space: Space::new(volume.volume.grid(), &region),
             extinctions: Extinctions::new(&tables.table, volume.unit_distance()),
             majorants: &majorants,
@@ -251,7 +258,7 @@ mod tests {
     }
 
     /// Variances and looks of estimates, whose means are checked, of what gets through along x, with a slope.
-    fn estimates(medium: &Medium<Trilinear<f32>>, [from, to]: [f32; 2], slope: f32) -> ([f64; 3], u32) {
+    fn estimates(medium: &Medium<ScalarTrilinear<f32>>, [from, to]: [f32; 2], slope: f32) -> ([f64; 3], u32) {
         const COUNT: usize = 100_000;
         let origin = Vec3::new(from, 1.0, 2.0);
         let flight =

@@ -1,28 +1,18 @@
 //! One path of light, followed from the eye.
 
 use glam::Vec3;
-use pellucid_optics::{Material, Reflection, ResolvedLight, Scatterer, Scattering, Sky, Table};
+use pellucid_optics::{ResolvedLight, Scatterer, Sky};
 use pellucid_scene::{PathTrace, Ray};
 
-use super::medium::Medium;
 use super::random::Random;
-use super::space::Flight;
+use super::surroundings::{Encounter, Surroundings};
 use super::values::Values;
 use super::vertex::{Vertex, scale};
-use crate::field::{Moved, Probe};
 
 /// Everything that paths meet.
-pub struct World<'a, F> {
-    /// The medium.
-    pub medium: Medium<'a, F>,
-    /// For normals.
-    pub probe: Probe<'a, Moved<'a>>,
-    /// Colours by data value.
-    pub table: &'a Table,
-    /// How the medium scatters.
-    pub scattering: &'a Scattering,
-    /// How surfaces in it reflect, if there are any.
-    pub material: Option<&'a Material>,
+pub struct World<'a, M> {
+    /// What there is.
+    pub matter: M,
     /// Lights that are somewhere.
     pub lights: &'a [ResolvedLight],
     /// Light from far away.
@@ -32,7 +22,7 @@ pub struct World<'a, F> {
 }
 
 /// What a path brought.
-pub struct Found {
+pub struct Brought {
     /// Whether it met the volume.
     pub met: bool,
     /// Linear RGB radiance.
@@ -45,21 +35,21 @@ pub struct Found {
     pub looks: u32,
 }
 
-impl<F: Values> World<'_, F> {
+impl<M: Surroundings> World<'_, M> {
     /// Follows a ray from the eye to where its light came from, of which there is some only between two distances.
-    pub fn follow(&self, ray: &Ray, between: [f64; 2], random: &mut Random) -> Found {
-        let mut found = Found { met: false, radiance: [0.0; 3], passed: [1.0; 3], depth: f32::INFINITY, looks: 0 };
-        let Some((entry, mut flight)) = self.medium.space.enter(ray, between) else { return found };
+    pub fn follow(&self, ray: &Ray, between: [f64; 2], random: &mut Random) -> Brought {
+        let mut found = Brought { met: false, radiance: [0.0; 3], passed: [1.0; 3], depth: f32::INFINITY, looks: 0 };
+        let Some((entry, mut way)) = self.matter.enter(ray, between) else { return found };
         found.met = true;
         let mut forward = ray.direction.as_vec3();
         let mut throughput = [1.0; 3];
         // Density with which the last scattering chose the direction.
         let mut density = 0.0;
         for scatterings in 0.. {
-            let collision = self.medium.collide(&flight, &mut throughput, random, &mut found.looks);
+            let collision = self.matter.collide(&way, &mut throughput, random, &mut found.looks);
             if scatterings > 0 {
-                let way = collision.as_ref().map_or(f32::INFINITY, |collision| collision.distance);
-                self.add_lights(&mut found.radiance, throughput, &flight, forward, way, density);
+                let most = collision.as_ref().map_or(f32::INFINITY, |collision| collision.distance);
+                self.add_lights(&mut found.radiance, throughput, self.matter.origin(&way), forward, most, density);
             }
             let Some(collision) = collision else {
                 if scatterings > 0 {
@@ -70,33 +60,34 @@ impl<F: Values> World<'_, F> {
                 return found;
             };
             found.passed = [0.0; 3];
-            let at = flight.at(collision.distance);
+            let Encounter { layer, distance, value, at } = collision;
             if scatterings == 0 {
-                found.depth = (entry + f64::from(collision.distance)) as f32;
+                found.depth = (entry + f64::from(distance)) as f32;
             }
-            let [r, g, b, opacity] = self.table.lookup(collision.value);
-            let color = self.medium.field.color(at, [r, g, b]);
-            if let Some(material) = self.material {
+            let volume = self.matter.layer(layer);
+            let [r, g, b, opacity] = volume.table.lookup(value);
+            let color = volume.medium.field.color(at, [r, g, b]);
+            if let Some(material) = volume.material {
                 add(&mut found.radiance, throughput, color.map(|v| v * material.emission));
             }
             if scatterings == self.settings.bounces {
                 return found;
             }
-            let vertex = self.surface(at, collision.value, color, -forward, random).unwrap_or_else(|| {
-                let scatterer = self.scattering.at(f64::from(collision.value), [r, g, b, opacity]);
+            let vertex = volume.surface(at, value, color, -forward, random).unwrap_or_else(|| {
+                let scatterer = volume.scattering.at(f64::from(value), [r, g, b, opacity]);
                 Vertex::Medium {
-                    phase: &self.scattering.phase,
-                    normalization: self.scattering.phase_normalization,
-                    scatterer: Scatterer { albedo: self.medium.field.color(at, scatterer.albedo), ..scatterer },
+                    phase: &volume.scattering.phase,
+                    normalization: volume.scattering.phase_normalization,
+                    scatterer: Scatterer { albedo: volume.medium.field.color(at, scatterer.albedo), ..scatterer },
                     forward,
                 }
             });
             let at = if let Vertex::Surface(surface) = &vertex {
-                self.in_front(at, collision.value, surface.normal())
+                volume.in_front(at, value, surface.normal(), self.settings.surface_depth)
             } else {
                 at
             };
-            let direct = self.direct(at, &vertex, random, &mut found.looks);
+            let direct = self.direct((layer, at), &vertex, random, &mut found.looks);
             add(&mut found.radiance, throughput, direct);
             forward = vertex.sample(random);
             density = vertex.pdf(forward);
@@ -113,48 +104,23 @@ impl<F: Values> World<'_, F> {
                 }
                 throughput = throughput.map(|v| v / brightest);
             }
-            flight = self.medium.space.leave(at, forward, f32::INFINITY);
+            way = self.matter.leave(layer, at, forward);
         }
         found
     }
 
     /// The normal on a ray at a distance from the eye, towards lower values; zero where there is no surface.
     pub fn normal(&self, ray: &Ray, distance: f32) -> [f32; 3] {
-        if !(distance.is_finite() && self.scattering.has_surfaces()) {
+        if !distance.is_finite() {
             return [0.0; 3];
         }
-        let at = self.medium.space.index(ray.origin + ray.direction * f64::from(distance));
-        (-self.probe.gradient(at).normalize_or_zero()).as_vec3().to_array()
-    }
-
-    /// The surface at a collision, as often as the collision is one with a surface.
-    fn surface(&self, at: Vec3, value: f32, color: [f32; 3], to_eye: Vec3, random: &mut Random) -> Option<Vertex<'_>> {
-        let material = self.material.filter(|_| self.scattering.has_surfaces())?;
-        let gradient = self.probe.gradient(at.as_dvec3());
-        let share = self.scattering.surface_at(f64::from(value), gradient.length() as f32);
-        if random.number() >= share {
-            return None;
-        }
-        let normal = gradient.try_normalize().map(|normal| -normal.as_vec3())?;
-        Reflection::new(material, color, normal, to_eye).map(Vertex::Surface)
-    }
-
-    /// Where a surface is lit: in front of the matter that belongs to it, which is so many mean free paths deep.
-    fn in_front(&self, at: Vec3, value: f32, normal: Vec3) -> Vec3 {
-        let depth = self.settings.surface_depth;
-        if depth == 0.0 {
-            return at;
-        }
-        // No surface is told more finely than in voxels.
-        let distance = (depth / (self.medium.extinctions.at(value) * self.medium.field.extinction(at)))
-            .min(self.medium.space.voxel());
-        let way = self.medium.space.leave(at, normal, distance);
-        way.at(way.length)
+        self.matter.normal(ray.origin + ray.direction * f64::from(distance))
     }
 
     /// Light that comes straight from a light or from the sky, of which one is asked.
     #[inline]
-    fn direct(&self, at: Vec3, vertex: &Vertex, random: &mut Random, looks: &mut u32) -> [f32; 3] {
+    fn direct(&self, (layer, at): (usize, Vec3), vertex: &Vertex, random: &mut Random, looks: &mut u32) -> [f32; 3] {
+        let volume = self.matter.layer(layer);
         let sources = self.lights.len() + usize::from(self.sky.is_some());
         if sources == 0 {
             return [0.0; 3];
@@ -163,9 +129,9 @@ impl<F: Values> World<'_, F> {
         let (direction, distance, light) = match self.lights.get(chosen) {
             Some(light) => {
                 let u = if light.has_extent() { random.pair() } else { [0.0; 2] };
-                let sample = light.sample(self.medium.space.world(at), u);
+                let sample = light.sample(volume.medium.space.world(at), u);
                 let direction = sample.incident.to_light;
-                let others = if self.scattering.meets(light) { vertex.pdf(direction) * sources as f32 } else { 0.0 };
+                let others = if self.matter.meets(light) { vertex.pdf(direction) * sources as f32 } else { 0.0 };
                 let share = 1.0 / (1.0 + others / sample.density);
                 (direction, sample.distance, vertex.light(sample.incident).map(|v| v * share))
             }
@@ -182,26 +148,25 @@ impl<F: Values> World<'_, F> {
         if light.iter().all(|v| *v <= 0.0) {
             return [0.0; 3];
         }
-        let flight: Flight = self.medium.space.leave(at, direction, distance);
-        let through = self.medium.transmittance(&flight, random, looks);
+        let through = self.matter.transmittance((layer, at), (direction, distance), random, looks);
         scale(light, through).map(|v| v * sources as f32)
     }
 
-    /// The lights that a scattered path meets before its next collision, which is `way` off, with the share that
+    /// The lights that a scattered path meets before its next collision, which is `most` off, with the share that
     /// [`direct`](Self::direct) leaves them. Nothing hides behind a light.
     fn add_lights(
         &self,
         radiance: &mut [f32; 3],
         throughput: [f32; 3],
-        flight: &Flight,
+        origin: Vec3,
         direction: Vec3,
-        way: f32,
+        most: f32,
         density: f32,
     ) {
         let sources = (self.lights.len() + usize::from(self.sky.is_some())) as f32;
-        for light in self.lights.iter().filter(|light| self.scattering.meets(light)) {
-            let seen = light.seen(self.medium.space.world(flight.origin), direction);
-            if let Some(seen) = seen.filter(|seen| seen.distance <= way) {
+        for light in self.lights.iter().filter(|light| self.matter.meets(light)) {
+            let seen = light.seen(origin, direction);
+            if let Some(seen) = seen.filter(|seen| seen.distance <= most) {
                 let share = density / (density + seen.density / sources);
                 add(radiance, throughput, seen.radiance.map(|v| v * share));
             }

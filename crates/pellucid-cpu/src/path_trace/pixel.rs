@@ -5,7 +5,7 @@ use pellucid_scene::{Control, PathTrace};
 
 use super::random::Random;
 use super::sights::Sight;
-use super::values::Values;
+use super::surroundings::Surroundings;
 use super::{Draw, Paths};
 use crate::RenderError;
 use crate::integrator::Found;
@@ -53,7 +53,7 @@ struct Pixel {
     collided: u32,
 }
 
-impl<F: Values> Draw for Paths<'_, F> {
+impl<M: Surroundings> Draw for Paths<'_, M> {
     fn draw(&self, tile: &mut Tile, control: &Control) -> Result<(), RenderError> {
         let mut depths = Vec::new();
         for row in 0..tile.height {
@@ -73,7 +73,7 @@ impl<F: Values> Draw for Paths<'_, F> {
     }
 }
 
-impl<F: Values> Paths<'_, F> {
+impl<M: Surroundings> Paths<'_, M> {
     /// Draws a pixel. `depths` is memory to use.
     fn pixel(&self, x: usize, y: usize, depths: &mut Vec<f32>, control: &Control) -> Result<Pixel, RenderError> {
         let settings = self.world.settings;

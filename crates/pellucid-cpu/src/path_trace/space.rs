@@ -122,6 +122,17 @@ impl<'a> Space<'a> {
         self.grid.index_from_world().transform_point3(world)
     }
 
+    /// Whether an index position lies inside.
+    pub fn contains(&self, index: Vec3) -> bool {
+        let inside = index.cmpge(self.low).all() && index.cmple(self.high).all();
+        inside && self.planes.iter().all(|(normal, offset)| normal.dot(index) >= *offset)
+    }
+
+    /// A position in the world, in double precision.
+    pub fn world_of(&self, index: Vec3) -> DVec3 {
+        self.grid.world_from_index().transform_point3(index.as_dvec3())
+    }
+
     /// A position in the world.
     #[inline]
     pub fn world(&self, index: Vec3) -> Vec3 {

@@ -22,8 +22,22 @@ pub trait Values: Sync {
     }
 }
 
+impl Values for Box<dyn Values + '_> {
+    fn value(&self, index: Vec3) -> f32 {
+        (**self).value(index)
+    }
+
+    fn extinction(&self, index: Vec3) -> f32 {
+        (**self).extinction(index)
+    }
+
+    fn color(&self, index: Vec3, color: [f32; 3]) -> [f32; 3] {
+        (**self).color(index, color)
+    }
+}
+
 /// Trilinear values of voxels of a type.
-pub struct Trilinear<'a, T> {
+pub struct ScalarTrilinear<'a, T> {
     data: &'a [T],
     last: Vec3,
     /// The last cell along each axis.
@@ -35,7 +49,7 @@ pub struct Trilinear<'a, T> {
     exact: Linear<'a, T>,
 }
 
-impl<'a, T: Voxel> Trilinear<'a, T> {
+impl<'a, T: Voxel> ScalarTrilinear<'a, T> {
     /// The field of a view; `None` if it has several components, or an axis of one voxel.
     pub fn new(view: ComponentView<'a, T>) -> Option<Self> {
         let (dims, stride, map) = (view.dims(), view.stride(), view.value_map());
@@ -51,7 +65,7 @@ impl<'a, T: Voxel> Trilinear<'a, T> {
     }
 }
 
-impl<T: Voxel> Values for Trilinear<'_, T> {
+impl<T: Voxel> Values for ScalarTrilinear<'_, T> {
     #[inline(always)]
     fn value(&self, index: Vec3) -> f32 {
         let p = index.max(Vec3::ZERO).min(self.last);
@@ -78,14 +92,14 @@ fn lerp(u: f32, a: f32, b: f32) -> f32 {
 }
 
 /// Any field.
-pub struct Any<'a> {
+pub struct ScalarAny<'a> {
     /// The field.
     pub sampler: Sampler<'a>,
     /// The lowest and the highest position of its grid.
     pub bounds: [Vec3; 2],
 }
 
-impl Values for Any<'_> {
+impl Values for ScalarAny<'_> {
     fn value(&self, index: Vec3) -> f32 {
         let [low, high] = self.bounds;
         self.sampler.value(index.max(low).min(high).as_dvec3()) as f32
@@ -95,7 +109,7 @@ impl Values for Any<'_> {
 /// Any field under noise.
 pub struct Perturbed<'a> {
     /// The field.
-    pub field: Any<'a>,
+    pub field: ScalarAny<'a>,
     /// What moves it.
     pub displacer: Option<&'a Displacer>,
     /// What varies its optics.

@@ -1,6 +1,6 @@
 //! Shadow rays through a medium (6.1-1, K-03): `exp` of less the extinction along the way.
 
-use super::{Shadow, ToLights};
+use super::{DARK, Shadow, ToLights};
 use crate::classify::Lookup;
 use crate::field::Any;
 use crate::field::Field;
@@ -26,8 +26,6 @@ pub struct Media<'a, S> {
 
 impl<S: Lanes> Shadow<S> for Media<'_, S> {
     fn through(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
-        /// Light of which so little is left is not followed to its end: a tenth of an 8-bit step.
-        const DARK: f32 = 1.0 / 2560.0;
         s.vectorize(
             #[inline(always)]
             || {

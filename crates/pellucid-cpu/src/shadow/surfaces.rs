@@ -1,10 +1,11 @@
 //! Shadows of isosurfaces: the first opaque one on the way to a light holds all of it back.
 
-use super::{Shadow, ToLights};
+use super::{Shadow, ToLights, Turn};
 use crate::field::Any;
 use crate::integrator::Counter;
 use crate::isosurface::{Level, between};
 use crate::lanes::*;
+use crate::packet::Rays;
 use crate::segments::{Segment, Verdict, Visit, each_surface};
 use crate::skip::SkipGrid;
 
@@ -30,12 +31,38 @@ impl<S: Lanes> Shadow<S> for Surfaces<'_, S> {
             #[inline(always)]
             || {
                 // Away from the surface that is lit: how it is turned is what `n . l` tells.
-                let rays = self.ways.rays(s, light, index, lanes, self.away);
-                let mut passing = Passing { surfaces: self, through: splat(s, 1.0) };
-                each_surface(s, &self.field, &rays, self.skip, &mut Counter::new(s), &mut passing);
-                passing.through
+                self.along(s, &self.ways.rays(s, light, index, lanes, self.away))
             },
         )
+    }
+}
+
+/// The surfaces of several volumes on the way to samples of one of them, each with the way into its own index space.
+pub struct Product<'a, S>(pub Vec<(Turn, Surfaces<'a, S>)>);
+
+impl<S: Lanes> Shadow<S> for Product<'_, S> {
+    fn through(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let mut through = splat(s, 1.0);
+                for (turn, surfaces) in &self.0 {
+                    let span = surfaces.ways.span(s, light, &turn.of(s, index), lanes, surfaces.away);
+                    through *= surfaces.along(s, &span.rays);
+                }
+                through
+            },
+        )
+    }
+}
+
+impl<S: Lanes> Surfaces<'_, S> {
+    /// What is left of light that comes along rays.
+    #[inline(always)]
+    fn along(&self, s: S, rays: &Rays<S>) -> F32<S> {
+        let mut passing = Passing { surfaces: self, through: splat(s, 1.0) };
+        each_surface(s, &self.field, rays, self.skip, &mut Counter::new(s), &mut passing);
+        passing.through
     }
 }
 

@@ -7,8 +7,12 @@ use pellucid_optics::Color;
 use pellucid_scene::{Isosurface, Isovalue, LookAt, Mode, Orbit, Projection, Scene, View};
 
 fn surfaces(levels: &[(f64, u32, f32)]) -> Mode {
-    let level =
-        |&(value, color, opacity): &(f64, u32, f32)| Isovalue { value, color: Some(Color::hex(color)), opacity };
+    let level = |&(value, color, opacity): &(f64, u32, f32)| Isovalue {
+        value,
+        color: Some(Color::hex(color)),
+        opacity,
+        volume: None,
+    };
     Mode::Isosurface(Isosurface { isovalues: levels.iter().map(level).collect() })
 }
 
@@ -81,7 +85,9 @@ fn the_nearer_surface_is_in_front_and_shines_through() {
 #[test]
 fn a_surface_takes_the_transfer_function_for_its_color() {
     let tf = transfer_function(&[(0.0, 0x000000), (6.0, 0x00ff00), (16.0, 0x000000)], &[(0.0, 0.0)]);
-    let mode = Mode::Isosurface(Isosurface { isovalues: vec![Isovalue { value: 6.0, color: None, opacity: 1.0 }] });
+    let mode = Mode::Isosurface(Isosurface {
+        isovalues: vec![Isovalue { value: 6.0, color: None, opacity: 1.0, volume: None }],
+    });
     let frame = render(&stage(ball(), tf, |scene| set_mode(scene, mode)));
     assert_eq!(center(&frame), [0.0, 1.0, 0.0, 1.0]);
 }

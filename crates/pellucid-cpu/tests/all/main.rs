@@ -20,6 +20,7 @@ mod homogeneous;
 mod instruction_sets;
 mod invariance;
 mod isosurface;
+mod layers;
 mod leaps;
 mod path_lights;
 mod path_sights;

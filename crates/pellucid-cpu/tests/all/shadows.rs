@@ -211,7 +211,7 @@ fn isosurfaces_cast_shadows() {
         (0.4, Shadows::Rays(ShadowRays { step: 0.5 })),
         (1.0, Shadows::Volume(ShadowVolume::default())),
     ] {
-        let surface = |value, opacity| Isovalue { value, color: None, opacity };
+        let surface = |value, opacity| Isovalue { value, color: None, opacity, volume: None };
         let edit = |scene: &mut Scene, shadows| {
             // The plate reaches below 4, the ball above 100.
             let isovalues = vec![surface(4.0, 1.0), surface(100.0, opacity)];

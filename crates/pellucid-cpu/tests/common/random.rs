@@ -195,7 +195,12 @@ impl Case {
     }
 
     fn leveled(&self, mode: &Mode, low: f64, range: f64) -> Mode {
-        let level = |&(share, opacity): &(f64, f32)| Isovalue { value: low + range * share, color: None, opacity };
+        let level = |&(share, opacity): &(f64, f32)| Isovalue {
+            value: low + range * share,
+            color: None,
+            opacity,
+            volume: None,
+        };
         match mode {
             Mode::Isosurface(_) => Mode::Isosurface(Isosurface { isovalues: self.levels.iter().map(level).collect() }),
             other => other.clone(),

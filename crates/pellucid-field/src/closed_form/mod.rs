@@ -15,6 +15,7 @@ mod sample;
 mod shape;
 mod sines;
 mod tubes;
+mod uptake;
 mod wavelet;
 
 use glam::DVec3;
@@ -28,6 +29,7 @@ pub use ramp::Ramp;
 pub use sample::sample_field;
 pub use sines::Sines;
 pub use tubes::Tubes;
+pub use uptake::Uptake;
 pub use wavelet::Wavelet;
 
 use crate::VoxelType;
@@ -86,7 +88,7 @@ pub struct About {
 
 type Make = fn() -> Box<dyn ScalarField>;
 
-const FIELDS: [(&str, Make); 9] = [
+const FIELDS: [(&str, Make); 10] = [
     (marschner_lobb::NAME, || Box::new(MarschnerLobb::default())),
     (ball::NAME, || Box::new(Ball::default())),
     (ramp::NAME, || Box::new(Ramp::default())),
@@ -96,6 +98,7 @@ const FIELDS: [(&str, Make); 9] = [
     (hydrogen::NAME, || Box::new(Hydrogen::default())),
     (head::NAME, || Box::new(HeadPhantom::default())),
     (cloud::NAME, || Box::new(Cloud)),
+    (uptake::NAME, || Box::new(Uptake)),
 ];
 
 /// The names of all fields.

@@ -86,6 +86,9 @@ pub struct Isovalue {
     /// Its opacity, 0 to 1; below 1 what lies behind shines through. Default 1.
     #[serde(default = "one")]
     pub opacity: f32,
+    /// The volume it is a surface of, by its place in the list; left out, of all.
+    #[serde(default)]
+    pub volume: Option<usize>,
 }
 
 fn one() -> f32 {

@@ -144,7 +144,7 @@ fn shading_and_material() {
     assert_eq!(lit(None, Some(true), None), Some(Material::default()));
     // A surface without shading would be a silhouette.
     let mut surface = scene(VolumeEntry { colormap: name("gray"), ..entry() });
-    let isovalues = vec![Isovalue { value: 9.0, color: None, opacity: 1.0 }];
+    let isovalues = vec![Isovalue { value: 9.0, color: None, opacity: 1.0, volume: None }];
     surface.technique = Technique::RayCast(RayCast { mode: Mode::Isosurface(Isosurface { isovalues }) });
     assert_eq!(resolved(&surface).0.volumes[0].material, Some(Material::default()));
 }
@@ -227,7 +227,7 @@ fn another_spacing_keeps_axes_and_origin() {
 
 #[test]
 fn isovalues_ascend_and_the_step_is_in_world_units() {
-    let value = |value| Isovalue { value, color: None, opacity: 1.0 };
+    let value = |value| Isovalue { value, color: None, opacity: 1.0, volume: None };
     let isovalues = vec![value(30.0), value(-10.0), value(20.0)];
     let mut scene = scene(entry());
     scene.technique = Technique::RayCast(RayCast { mode: Mode::Isosurface(Isosurface { isovalues }) });
@@ -329,7 +329,7 @@ fn large_integers_count_from_the_smallest() {
     };
     let draw = |volume: Volume, at: [f64; 2]| {
         let mut scene = scene(VolumeEntry { transfer_function: Some(tf(at)), ..entry() });
-        let isovalues = vec![Isovalue { value: at[1], color: None, opacity: 1.0 }];
+        let isovalues = vec![Isovalue { value: at[1], color: None, opacity: 1.0, volume: None }];
         scene.technique = Technique::RayCast(RayCast { mode: Mode::Isosurface(Isosurface { isovalues }) });
         scene.resolve(&[Arc::new(volume)]).unwrap()
     };

@@ -320,8 +320,12 @@ fn half_angle() -> impl Strategy<Value = HalfAngle> {
 }
 
 fn technique() -> impl Strategy<Value = Technique> {
-    let isovalue =
-        (number(), of(color()), 0.0f32..=1.0).prop_map(|(value, color, opacity)| Isovalue { value, color, opacity });
+    let isovalue = (number(), of(color()), 0.0f32..=1.0).prop_map(|(value, color, opacity)| Isovalue {
+        value,
+        color,
+        opacity,
+        volume: None,
+    });
     let combine = select(vec![Combine::Maximum, Combine::Minimum, Combine::Average]);
     let slice = (of(position()), of(heading()), 0.0..1e9, combine)
         .prop_map(|(point, normal, thickness, combine)| Slice { point, normal, thickness, combine });
@@ -480,11 +484,14 @@ fn scene() -> impl Strategy<Value = Scene> {
         |cube| matches!(cube, Clip::Box { min, max } if (0..3).all(|axis| min[axis] < max[axis])),
     );
     let clips = vec(prop_oneof![plane, cube], 0..4);
-    (text(), vec(volume(), 0..3), camera(), lighting(), clips, technique(), quality(), image()).prop_map(
-        |(title, volumes, camera, lighting, clips, technique, quality, image)| Scene {
+    let overlap = prop_oneof![Just(Overlap::Add), Just(Overlap::Maximum), Just(Overlap::Priority)];
+    let drawn = (technique(), quality(), image());
+    (text(), vec(volume(), 0..3), overlap, camera(), lighting(), clips, drawn).prop_map(
+        |(title, volumes, overlap, camera, lighting, clips, (technique, quality, image))| Scene {
             version: 1,
             title,
             volumes,
+            overlap,
             camera,
             lighting,
             clips,

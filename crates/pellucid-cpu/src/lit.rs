@@ -1,0 +1,60 @@
+//! Light on a prepared volume.
+
+use pellucid_field::Sampler;
+use pellucid_scene::Mode;
+
+use crate::classify::Lookup;
+use crate::lanes::Lanes;
+use crate::prepare::Prepared;
+use crate::scatter::Scatter;
+use crate::shadow::{LightVolume, LightVolumes, Media, Shadow, Surfaces, ToLights};
+use crate::surface::Surface;
+
+impl Prepared<'_> {
+    /// Light on samples, if they are lit at all, and in what shadow.
+    pub fn surface<'a, S: Lanes>(
+        &'a self,
+        shadow: impl FnOnce() -> Option<Box<dyn Shadow<S> + 'a>>,
+    ) -> Option<Surface<'a, S>> {
+        let (weight, stage) = (self.volume.gradient_weight, self.stage);
+        let (material, scatter) = (self.volume.material, self.scatter());
+        if material.is_none() && scatter.is_none() {
+            return None;
+        }
+        let world_from_index = self.grid().world_from_index();
+        let surface =
+            Surface::new(material.unwrap_or_default(), weight, &stage.lights, stage.ambient, world_from_index);
+        let surface = surface.shadowed(shadow(), stage.chroma(self.volume));
+        Some(match scatter {
+            Some(scatter) => surface.scattering(scatter),
+            None => surface,
+        })
+    }
+
+    /// How samples scatter, if they are not surfaces.
+    pub fn scatter(&self) -> Option<Scatter<'_>> {
+        self.tables.light.scatter.as_ref().map(|table| Scatter::new(&self.volume.scattering, table))
+    }
+
+    /// What the volume itself leaves of lights: what volumes of light remember, or what rays to them find.
+    pub fn shadow<'a, S: Lanes>(
+        &'a self,
+        s: S,
+        sampler: &Sampler<'a>,
+        lights: Option<&'a [LightVolume]>,
+    ) -> Option<Box<dyn Shadow<S> + 'a>> {
+        if let Some(lights) = lights {
+            return Some(Box::new(LightVolumes::new(lights)));
+        }
+        let shadows = self.shadows.as_ref()?;
+        let (ways, skip) = (ToLights::new(self, shadows.length), self.grids.skip.as_ref());
+        let field = self.any(sampler.clone());
+        Some(match self.stage.mode() {
+            Mode::Isosurface(_) => {
+                let away = self.stage.shadow_offset(self.volume, shadows.length) as f32;
+                Box::new(Surfaces { s, field, levels: self.levels(), ways, away, skip })
+            }
+            _ => Box::new(Media { field, table: Lookup::of_steps(&shadows.table), ways, skip, varied: self.varied() }),
+        })
+    }
+}

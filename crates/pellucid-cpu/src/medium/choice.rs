@@ -1,0 +1,150 @@
+//! The medium of a prepared volume, in the types that loops are compiled for.
+
+use pellucid_field::Sampler;
+use pellucid_scene::Classification;
+
+use super::{Integrals, OneGrid};
+use crate::classify::{Classify, Lookup, Post, Pre, PreEach, Segments};
+use crate::field::{Field, Moved};
+use crate::lanes::Lanes;
+use crate::prepare::Prepared;
+use crate::reconstruct::WithField;
+use crate::surface::Surface;
+use crate::vary::{Uniform, Varied, VariedSamples, Vary};
+
+/// What is to be done with a medium of whatever type.
+pub trait WithMedium<'a, S: Lanes> {
+    /// What comes of it.
+    type Output;
+
+    /// Does it with optics of single samples.
+    fn samples<F: Field<S> + 'a, C: Classify<S> + 'a>(self, medium: OneGrid<'a, S, F, C>) -> Self::Output;
+
+    /// Does it with optics of segments.
+    fn segments<F: Field<S> + 'a, V: Vary + 'a>(self, medium: OneGrid<'a, S, F, Integrals<'a, V>>) -> Self::Output;
+}
+
+impl Prepared<'_> {
+    /// Does something with the medium. Post-classified and pre-integrated fields of the types most data have are
+    /// compiled into the loops; what is classified before, or varies, asks its field by one virtual call a packet.
+    pub fn with_medium<'a, S: Lanes, W: WithMedium<'a, S>>(
+        &'a self,
+        s: S,
+        sampler: Sampler<'a>,
+        surface: Option<Surface<'a, S>>,
+        with: W,
+    ) -> W::Output {
+        let plain = self.stage.quality.classification != Classification::Pre && self.tables.variation.is_none();
+        match plain {
+            true => self.with_field(sampler, Plain { prepared: self, s, surface, with }),
+            false => self.with_any_medium(s, sampler, surface, with),
+        }
+    }
+
+    /// The same with a field that is asked by one virtual call a packet, whatever its type.
+    pub fn with_any_medium<'a, S: Lanes, W: WithMedium<'a, S>>(
+        &'a self,
+        s: S,
+        sampler: Sampler<'a>,
+        surface: Option<Surface<'a, S>>,
+        with: W,
+    ) -> W::Output {
+        if self.stage.quality.classification == Classification::Pre {
+            let classifier = self.classified_voxels(sampler.clone());
+            let field = self.any(sampler);
+            return match self.varied() {
+                Some(varied) => {
+                    let optics = VariedSamples { classifier, varied };
+                    with.samples(self.one_grid(s, field, optics, surface))
+                }
+                None => with.samples(self.one_grid(s, field, classifier, surface)),
+            };
+        }
+        let field = self.any(sampler);
+        let Some(varied) = self.varied() else {
+            return Plain { prepared: self, s, surface, with }.with(field);
+        };
+        match &self.tables.preintegration {
+            Some(table) => {
+                let optics = Integrals { table: Segments(table), vary: varied };
+                with.segments(self.one_grid(s, field, optics, surface))
+            }
+            None => {
+                let optics = VariedSamples { classifier: Post(self.lookup()), varied };
+                with.samples(self.one_grid(s, field, optics, surface))
+            }
+        }
+    }
+
+    fn classified_voxels<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Pre<'a, S> {
+        let moved = Moved { sampler: sampler.clone(), displacer: self.tables.displacer.as_ref() };
+        let (volume, component) = (&*self.volume.volume, self.volume.component);
+        let each =
+            PreEach { table: &self.tables.step_table, volume, component, filter: self.stage.quality.filter, moved };
+        Pre { field: self.any(sampler), lookup: Lookup::of_steps(&self.tables.step_table), each }
+    }
+
+    fn one_grid<'a, S: Lanes, F: Field<S>, O>(
+        &'a self,
+        s: S,
+        field: F,
+        optics: O,
+        surface: Option<Surface<'a, S>>,
+    ) -> OneGrid<'a, S, F, O> {
+        let (skip, levels) = (self.grids.skip.as_ref(), self.grids.levels.as_ref());
+        OneGrid { s, field, optics, surface, cuts: self.cuts(), skip, levels, chroma: self.stage.chroma(self.volume) }
+    }
+
+    /// What holds light back on its way to samples, steps of shadow rays at a time.
+    ///
+    /// # Panics
+    /// If the stage casts no shadow rays.
+    pub fn shadowing<'a, S: Lanes, W: WithMedium<'a, S>>(&'a self, s: S, sampler: Sampler<'a>, with: W) -> W::Output {
+        let shadows = self.shadows.as_ref().expect("shadow rays are cast");
+        let (field, post) = (self.any(sampler), Post(Lookup::of_steps(&shadows.table)));
+        match self.varied() {
+            Some(varied) => {
+                let optics = VariedSamples { classifier: post, varied };
+                with.samples(self.one_grid(s, field, optics, None))
+            }
+            None => with.samples(self.one_grid(s, field, post, None)),
+        }
+    }
+
+    /// What varies optics, if anything does.
+    pub fn varied(&self) -> Option<Varied<'_>> {
+        let chroma = self.stage.chroma(self.volume);
+        self.tables.variation.as_ref().map(|variation| Varied { variation, chroma })
+    }
+
+    /// Associated colours of one step and, if steps adapt to the data, of longer ones.
+    fn lookup(&self) -> Lookup<'_> {
+        match &self.tables.stride_entries {
+            Some(entries) => Lookup::of_strides(entries, self.tables.step_table.nodes()),
+            None => Lookup::of_steps(self.step_table()),
+        }
+    }
+}
+
+/// A medium whose optics do not vary, once its field is known.
+struct Plain<'a, S, W> {
+    prepared: &'a Prepared<'a>,
+    s: S,
+    surface: Option<Surface<'a, S>>,
+    with: W,
+}
+
+impl<'a, S: Lanes, W: WithMedium<'a, S>> WithField<'a, S> for Plain<'a, S, W> {
+    type Output = W::Output;
+
+    fn with<F: Field<S> + 'a>(self, field: F) -> Self::Output {
+        let Self { prepared, s, surface, with } = self;
+        match &prepared.tables.preintegration {
+            Some(table) => {
+                let optics = Integrals { table: Segments(table), vary: Uniform };
+                with.segments(prepared.one_grid(s, field, optics, surface))
+            }
+            None => with.samples(prepared.one_grid(s, field, Post(prepared.lookup()), surface)),
+        }
+    }
+}
