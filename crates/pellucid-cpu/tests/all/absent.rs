@@ -5,7 +5,7 @@ use glam::DVec3;
 use pellucid_field::{Grid, Volume, Voxels};
 use pellucid_optics::{Falloff, Light, LightKind};
 use pellucid_scene::{
-    Classification, Control, Frame, Isosurface, Isovalue, LookAt, Mode, Projection, RenderWarning, Scene, Slice, View,
+    Classification, Frame, Isosurface, Isovalue, LookAt, Mode, Projection, RenderWarning, Scene, Slice, View,
 };
 
 fn finite(frame: &Frame) -> bool {

@@ -52,7 +52,7 @@ impl ScalarField for Uptake {
 
     fn range(&self) -> (f64, f64) {
         // The hottest place lies in the bark.
-        (0.0, 15.0)
+        (0.0, 12.584)
     }
 
     fn about(&self) -> About {
