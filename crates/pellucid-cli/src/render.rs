@@ -258,11 +258,14 @@ impl OutputFlags {
 /// Refuses before any volume is loaded what could not be drawn after it: other numbers of volumes than backends draw,
 /// and optics that cannot be read.
 pub fn drawable(scene: &Scene, base: &Base) -> Result<(), Failure> {
-    if scene.volumes.len() != 1 {
-        let listed = scene.volumes.len();
-        return Err(Failure::input(format_args!(
-            "the scene lists {listed} volumes, and pictures are of one: keep one"
-        )));
+    let listed = scene.volumes.len();
+    if listed == 0 {
+        return Err(Failure::input("the scene lists no volume, and pictures are of one or more"));
+    }
+    if listed > 1 && !scene.technique.merges_volumes() {
+        let name = scene.technique.name();
+        let message = format_args!("the scene lists {listed} volumes, and {name} draws one: keep one");
+        return Err(Failure::input(message).hint("--technique ray-cast and path-trace draw several"));
     }
     Ok(base.load_optics(&mut scene.clone())?)
 }

@@ -84,7 +84,11 @@ impl Scene {
         let mut staged = Vec::new();
         let mut settled = self.clone();
         for (k, volume) in volumes.iter().enumerate() {
+            let known = choices.len();
             let (volume, chosen) = self.stage_volume(k, volume, &mut choices)?;
+            if volumes.len() > 1 {
+                choices[known..].iter_mut().for_each(|choice| choice.chosen += &format!(", for volumes[{k}]"));
+            }
             settle(&mut settled.volumes[k], &volume, chosen);
             staged.push(volume);
         }

@@ -54,22 +54,28 @@ impl<S: Lanes> Ways<S> {
 
     /// The eye's rays: a packet for each layer, and before them one for all of them that says where the lattice
     /// begins; `step` is that of the lattice, in world units.
-    #[inline(always)]
+    #[inline(never)]
     pub fn of_eye(s: S, packets: &[Packet], layers: &[Box<dyn Layer<S> + '_>], step: f64) -> Self {
-        let (whole, own) = (&packets[0], &packets[1..]);
-        let spans = own.iter().zip(layers).map(|(packet, layer)| {
-            let rays = Rays::new(s, packet);
-            let mut start = [f32::INFINITY; MOST_LANES];
-            for lane in (0..width::<S>()).filter(|&lane| packet.count[lane] > 0.0) {
-                start[lane] = ((packet.entry[lane] - whole.entry[lane]) / step) as f32;
-            }
-            let start = load(s, &start);
-            let met = start.is_finite();
-            let end = met.select(start + rays.length(), splat(s, f32::NEG_INFINITY));
-            let beam = layer.aim(packet, &rays);
-            Span { rays, ends: [start, end], beam }
-        });
-        Self::new(s, spans.collect(), load(s, &whole.jitter))
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let (whole, own) = (&packets[0], &packets[1..]);
+                let mut spans = Vec::with_capacity(own.len());
+                for (packet, layer) in own.iter().zip(layers) {
+                    let rays = Rays::new(s, packet);
+                    let mut start = [f32::INFINITY; MOST_LANES];
+                    for lane in (0..width::<S>()).filter(|&lane| packet.count[lane] > 0.0) {
+                        start[lane] = ((packet.entry[lane] - whole.entry[lane]) / step) as f32;
+                    }
+                    let start = load(s, &start);
+                    let met = start.is_finite();
+                    let end = met.select(start + rays.length(), splat(s, f32::NEG_INFINITY));
+                    let beam = layer.aim(packet, &rays);
+                    spans.push(Span { rays, ends: [start, end], beam });
+                }
+                Self::new(s, spans, load(s, &whole.jitter))
+            },
+        )
     }
 
     /// At the beginning.
@@ -114,9 +120,10 @@ impl<S: Lanes> Ways<S> {
         open.any_true()
     }
 
-    /// What pieces send to the eye, of all layers together.
-    #[inline(always)]
-    pub fn element(
+    /// What pieces send to the eye, of all layers together. A function of its own, as are all that hold loops over
+    /// layers: in one they would take the compiler minutes.
+    #[inline(never)]
+    fn element(
         &self,
         s: S,
         layers: &[Box<dyn Layer<S> + '_>],
@@ -124,11 +131,16 @@ impl<S: Lanes> Ways<S> {
         ends: [F32<S>; 2],
         open: Mask<S>,
     ) -> Option<Element<S>> {
-        let mut elements = Vec::with_capacity(layers.len());
-        for (span, layer) in self.spans.iter().zip(layers) {
-            elements.push(self.of_layer(s, span, layer.as_ref(), ends, open));
-        }
-        merged(s, overlap, &elements)
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let mut elements = Vec::with_capacity(layers.len());
+                for (span, layer) in self.spans.iter().zip(layers) {
+                    elements.push(self.of_layer(s, span, layer.as_ref(), ends, open));
+                }
+                merged(s, overlap, &elements)
+            },
+        )
     }
 
     #[inline(always)]
@@ -156,22 +168,27 @@ impl<S: Lanes> Ways<S> {
     }
 
     /// Unit normals at distances, of the layer that has most opacity there.
-    #[inline(always)]
+    #[inline(never)]
     pub fn normals(&self, s: S, layers: &[Box<dyn Layer<S> + '_>], distance: F32<S>, lanes: Mask<S>) -> Vec3<S> {
-        let (mut normal, mut most) = ([splat(s, 0.0); 3], splat(s, 0.0));
-        let half = splat(s, 0.5);
-        for (span, layer) in self.spans.iter().zip(layers) {
-            let found = self.of_layer(s, span, layer.as_ref(), [distance - half, distance + half], lanes);
-            let Some(Element { rgba, visible }) = found else { continue };
-            let more = visible & rgba[3].simd_gt(most);
-            if more.any_true() {
-                let at = more.select(distance - span.ends[0], splat(s, 0.0));
-                let own = layer.normals(span.rays.at(at), more);
-                normal = xyz!(I => more.select(own[I], normal[I]));
-                most = more.select(rgba[3], most);
-            }
-        }
-        normal
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let (mut normal, mut most) = ([splat(s, 0.0); 3], splat(s, 0.0));
+                let half = splat(s, 0.5);
+                for (span, layer) in self.spans.iter().zip(layers) {
+                    let found = self.of_layer(s, span, layer.as_ref(), [distance - half, distance + half], lanes);
+                    let Some(Element { rgba, visible }) = found else { continue };
+                    let more = visible & rgba[3].simd_gt(most);
+                    if more.any_true() {
+                        let at = more.select(distance - span.ends[0], splat(s, 0.0));
+                        let own = layer.normals(span.rays.at(at), more);
+                        normal = xyz!(I => more.select(own[I], normal[I]));
+                        most = more.select(rgba[3], most);
+                    }
+                }
+                normal
+            },
+        )
     }
 
     #[inline(always)]
@@ -193,29 +210,32 @@ impl<S: Lanes> Ways<S> {
     }
 
     /// The last node before which nothing can be seen, or the distance itself.
-    #[inline(always)]
+    #[inline(never)]
     fn leap(&self, s: S, layers: &[Box<dyn Layer<S> + '_>], mut distance: F32<S>, open: Mask<S>) -> F32<S> {
-        let far = splat(s, f32::INFINITY);
-        loop {
-            let mut clear = far;
-            for (Span { rays, ends: [start, end], .. }, layer) in self.spans.iter().zip(layers) {
-                let ahead = distance.simd_lt(*start);
-                let inside = open & !ahead & distance.simd_lt(*end);
-                let mut to = ahead.select(*start, far);
-                if inside.any_true() {
-                    let within = inside.select(distance - *start, splat(s, 0.0));
-                    let own = distance + layer.leap(&rays.at(within), &rays.inverse);
-                    to = inside.select(own, to);
+        s.vectorize(
+            #[inline(always)]
+            || loop {
+                let far = splat(s, f32::INFINITY);
+                let mut clear = far;
+                for (Span { rays, ends: [start, end], .. }, layer) in self.spans.iter().zip(layers) {
+                    let ahead = distance.simd_lt(*start);
+                    let inside = open & !ahead & distance.simd_lt(*end);
+                    let mut to = ahead.select(*start, far);
+                    if inside.any_true() {
+                        let within = inside.select(distance - *start, splat(s, 0.0));
+                        let own = distance + layer.leap(&rays.at(within), &rays.inverse);
+                        to = inside.select(own, to);
+                    }
+                    clear = clear.min(to);
                 }
-                clear = clear.min(to);
-            }
-            // A ray that has left all layers, or passes between two.
-            let node = clear.min(self.length).floor();
-            let further = open & node.simd_gt(distance);
-            if !further.any_true() {
-                return distance;
-            }
-            distance = further.select(node, distance);
-        }
+                // A ray that has left all layers, or passes between two.
+                let node = clear.min(self.length).floor();
+                let further = open & node.simd_gt(distance);
+                if !further.any_true() {
+                    return distance;
+                }
+                distance = further.select(node, distance);
+            },
+        )
     }
 }

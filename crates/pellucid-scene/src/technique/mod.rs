@@ -180,6 +180,14 @@ impl Technique {
         }
     }
 
+    /// Whether it draws several volumes in one picture.
+    pub fn merges_volumes(&self) -> bool {
+        match self {
+            Self::RayCast(_) | Self::PathTrace(_) => true,
+            Self::Slicing(_) | Self::HalfAngle(_) => false,
+        }
+    }
+
     pub(crate) fn check(&self, path: &str) -> Checked {
         let path = format!("{path}.{}", self.name());
         match self {

@@ -149,7 +149,13 @@ fn what_every_device_has_is_enough() {
             continue;
         }
         let name = name_of(&path);
-        // Small pictures ask for as much of a device.
+        // Small and coarse pictures ask for as much of a device.
+        stage.step *= 3.0;
+        match &mut stage.technique {
+            Technique::HalfAngle(settings) => settings.resolution = 64,
+            Technique::PathTrace(settings) => settings.samples = 2,
+            _ => {}
+        }
         (stage.viewpoint.width, stage.viewpoint.height) = (stage.viewpoint.width / 4, stage.viewpoint.height / 4);
         let [one, other] = [&mut usual, &mut least].map(|renderer| {
             renderer.render(&stage, &Control::default()).unwrap_or_else(|error| panic!("{name}: {error}"))
