@@ -1,9 +1,8 @@
 //! Filters and gradients as shaders take them: the structure of `kernel.wgsl`.
 
+use crate::four::Four;
 use pellucid_field::{Filter, Gradient, Kernel};
 use pellucid_plan::SAMPLES_PER_LOOK;
-
-type Four = [f32; 4];
 
 /// The most taps of a filter, and of a gradient under one: the widest sinc and the widest Gaussian.
 const MOST_TAPS: usize = 16;

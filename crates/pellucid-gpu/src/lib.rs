@@ -12,6 +12,7 @@ mod device;
 mod dispatch;
 mod drawing;
 mod error;
+mod four;
 mod groups;
 mod half_angle;
 mod kernels;

@@ -1,9 +1,8 @@
 //! Lights as shaders take them: the structures of `light.wgsl`.
 
+use crate::four::Four;
 use bytemuck::{Pod, Zeroable};
 use pellucid_optics::{Extent as Shape, LightShape, ResolvedLight, Scattering};
-
-type Four = [f32; 4];
 
 /// What an extent is, for shaders: nothing around a point.
 const DISC: u32 = 1;

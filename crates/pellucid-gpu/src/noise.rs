@@ -5,9 +5,8 @@ use pellucid_field::Noise as Texels;
 use pellucid_plan::Tables;
 use wgpu::{TextureFormat, TextureView};
 
+use crate::four::Four;
 use crate::{Device, texture};
-
-type Four = [f32; 4];
 
 /// A noise in a sum.
 #[repr(C)]

@@ -3,10 +3,9 @@
 
 use std::f32::consts::PI;
 
+use crate::four::Four;
 use pellucid_optics::{Anisotropy, Nodes, Phase, PhaseNormalization, ScatterTable, Scattering, SurfaceShare};
 use pellucid_plan::{LightTables, Tables};
-
-type Four = [f32; 4];
 
 /// Angles that a phase function is listed at, from 0 to 180 degrees.
 const ANGLES: usize = 8192;

@@ -7,11 +7,10 @@ use pellucid_optics::{Material, Nodes};
 use pellucid_plan::blue_noise_shift;
 use pellucid_scene::{Jitter, Mode, Region, Slice, Stage, StageVolume};
 
+use crate::four::Four;
 use crate::noise::Noise;
 use crate::scattering::HEADER;
 use crate::window::Window;
-
-type Four = [f32; 4];
 
 /// What a frame is drawn with.
 #[repr(C)]

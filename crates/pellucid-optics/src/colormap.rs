@@ -24,6 +24,8 @@ impl ColorMap {
     /// [`OpticsError::Name`], with the names there are.
     pub fn by_name(name: &str) -> Result<Self, OpticsError> {
         let (plain, reversed) = name.strip_suffix("_r").map_or((name, false), |plain| (plain, true));
+        // Of a map that is also a colour both spellings are the map.
+        let plain = if plain == "grey" { "gray" } else { plain };
         let found = maps::MAPS.iter().find(|map| map.name == plain);
         found.map(|map| Self { reversed, ..*map }).ok_or_else(|| unknown_name("colour map", name, Self::names()))
     }

@@ -152,7 +152,7 @@ fn every_scene_of_the_guide_draws_without_a_warning() {
         let output = run_in(folder.path(), &args);
         let said = text(&output.stderr);
         assert!(output.status.code() == Some(0) && !said.contains("warning"), "{said} in\n{example}");
-        assert_eq!(scene.volumes.len(), 1);
+        assert!(!scene.volumes.is_empty());
         assert_eq!(picture(&folder.path().join("a.png")).width, 24);
     }
 }

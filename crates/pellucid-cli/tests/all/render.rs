@@ -24,7 +24,7 @@ fn channels_are_layers_in_colors() {
     render(folder.path(), &flags, "two.png");
     let drawn = picture(&folder.path().join("two.png"));
     let row = &drawn.pixels[8 * 24..9 * 24];
-    let (left, middle, right) = (row[8], row[12], row[16]);
+    let (left, middle, right) = (row[6], row[12], row[18]);
     assert!(left[1] > 0.8 && left[0] < 0.01 && left[2] < 0.01, "{left:?}");
     assert!(right[1] < 0.01 && right[0] > 0.8 && right[2] > 0.8, "{right:?}");
     // Of the same extinction, each gives half of the light.

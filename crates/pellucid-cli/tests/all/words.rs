@@ -153,7 +153,7 @@ fn mistakes_lead_to_what_is_meant() {
         (ball, &["--slice", "transverse"], &["did you mean axial?"], &[]),
         (ball, &["--light", "headligth"], &["did you mean headlight?"], &[]),
         (ball, &["--preset", "ct-boen"], &["did you mean ct-bone?"], &[]),
-        (ball, &["--colormap", "grey"], &["did you mean gray?"], &[]),
+        (ball, &["--colormap", "virdis"], &["did you mean viridis?"], &[]),
         (ball, &["--opacity", "sigmoid5"], &["did you mean sigmoid_5?"], &[]),
         (ball, &["--background", "ornage"], &["did you mean orange?"], &[]),
         (ball, &["--iso", "3,ligthblue"], &["did you mean lightblue?"], &[]),
@@ -272,8 +272,8 @@ fn documents_are_refused_before_their_volumes_are_loaded() {
     let folder = tempdir().unwrap();
     let gone = "[[volumes]]\nsource.file = \"gone.nrrd\"\n";
     let cases = [
-        (format!("{gone}{gone}"), "2 volumes"),
-        ("title = \"nothing\"\n".to_owned(), "0 volumes"),
+        (format!("{gone}{gone}[technique.half_angle]\n"), "2 volumes"),
+        ("title = \"nothing\"\n".to_owned(), "no volume"),
         (format!("{gone}preset = \"ct-boen\"\n"), "ct-bone"),
         (format!("{gone}scattering.phase.table = {{ file = \"phase.csv\" }}\n[technique.path_trace]\n"), "phase.csv"),
         (format!("{gone}[technique.path_trace.environment.image]\nsource.file = \"sky.exr\"\n"), "sky.exr"),

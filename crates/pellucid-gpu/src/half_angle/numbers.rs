@@ -9,10 +9,9 @@ use pellucid_optics::ResolvedLight;
 use pellucid_plan::half_angle::{Geometry, Ways, into_cone, taps};
 use pellucid_scene::{BlurScaling, HalfAngle, InScatter, LightCorrection, Stage, StageVolume};
 
+use crate::four::Four;
 use crate::lights::Light;
 use crate::uniforms::four;
-
-type Four = [f32; 4];
 
 /// Where light and slabs are, and how light passes them.
 #[repr(C)]

@@ -6,9 +6,8 @@ use pellucid_optics::Sky;
 use pellucid_plan::MajorantGrid;
 use pellucid_scene::{Jitter, PathTrace, Stage, StageVolume};
 
+use crate::four::Four;
 use crate::uniforms::four;
-
-type Four = [f32; 4];
 
 /// The settings of paths, in steps.
 #[repr(C)]

@@ -6,9 +6,8 @@ use bytemuck::cast_slice;
 use pellucid_optics::{Sky, SkyMap};
 use wgpu::{TextureFormat, TextureView};
 
+use crate::four::Four;
 use crate::{Device, GpuError, texture};
-
-type Four = [f32; 4];
 
 /// A picture that was uploaded, kept while it is the same.
 pub struct UploadedSky {
