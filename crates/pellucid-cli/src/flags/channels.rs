@@ -1,6 +1,6 @@
 //! Components of a file as layers of one picture, as microscopes write them.
 
-use pellucid::optics::ColorMap;
+use pellucid::optics::{Color, ColorMap};
 use pellucid::scene::{Scene, VolumeEntry};
 
 use super::first_volume;
@@ -46,6 +46,9 @@ impl ChannelFlags {
 fn channel(text: &str) -> Result<Channel, String> {
     let parts = text.split_once(':').and_then(|(component, color)| Some((component.trim().parse().ok()?, color)));
     let (component, color) = parts.ok_or("a component's number and a colour are expected, as in 0:green")?;
-    ColorMap::colors(color, [0.0, 1.0]).map_err(|error| error.to_string())?;
+    // Most are meant to be colours: of what is neither, that error tells more.
+    if let (Err(_), Err(error)) = (ColorMap::colors(color, [0.0, 1.0]), Color::parse(color)) {
+        return Err(error.to_string());
+    }
     Ok(Channel { component, color: color.to_owned() })
 }
