@@ -65,11 +65,10 @@ fn intervals(stage: &Stage, pixel: usize) -> [Option<[f64; 2]>; 2] {
         let within = |axis: usize| (low[axis]..=high[axis]).contains(&ray.origin[axis]);
         (within(0) && within(2)).then_some([low.y, high.y])
     };
-    let found = [0, 1].map(|number| {
+    [0, 1].map(|number| {
         let of = |volume: &pellucid_scene::StageVolume| volume.transfer_function.color(1.0) == COLORS[number].1;
         inside(&stage.volumes.iter().find(|volume| of(volume)).unwrap().volume)
-    });
-    found
+    })
 }
 
 /// What a ray through intervals of constant matter sends to the eye: of each the extinction, where it lies, as merged by
