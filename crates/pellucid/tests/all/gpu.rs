@@ -12,7 +12,7 @@ use crate::scenes::{difference, draw, folder, gpu, name_of, scenes, stage};
 /// picture, and paths of light differ by their noise, which tests of that backend know how to judge: their names
 /// tell, so that a scene which a backend refuses by mistake is not passed over.
 fn for_both(name: &str) -> bool {
-    !name.starts_with("slicing-") && !name.starts_with("path-trace-")
+    !["slicing-", "path-trace-", "layers-"].iter().any(|technique| name.starts_with(technique))
 }
 
 /// Draws every scene on both backends; returns what exceeds the bounds.
