@@ -73,49 +73,42 @@ impl Bounds {
     /// 0 for positions outside. `inverse` is one over the direction, very large where that is 0.
     #[inline(always)]
     pub fn exit<S: Lanes>(&self, s: S, p: &Vec3<S>, direction: &Vec3<S>, inverse: &Vec3<S>) -> F32<S> {
-        let zero = splat(s, 0.0);
-        let extent = [0, 1, 2].map(|axis| self.high[axis] - self.low[axis]);
-        let ways = xyz!(I => inverse[I].abs() * extent[I]);
-        let longest = ways[0].min(ways[1]).min(ways[2]);
-        let mut nearest = splat(s, f32::INFINITY);
-        for axis in 0..3 {
-            let border = inverse[axis].simd_gt(zero).select(splat(s, self.high[axis]), splat(s, self.low[axis]));
-            // Along a side there is no end, least of all for a position on it, by rounding beyond it.
-            let leaves = (ways[axis] * ROUNDING).simd_le(longest);
-            nearest = leaves.select(nearest.min((border - p[axis]) * inverse[axis]), nearest);
-        }
-        let flattest = splat(s, -ROUNDING * extent[0].max(extent[1]).max(extent[2])) / longest;
-        for (normal, offset) in &self.planes {
-            let normal = xyz!(I => splat(s, normal[I]));
-            let (slope, above) = (dot::<S>(normal, *direction), dot::<S>(normal, *p) - *offset);
-            let leaves = slope.simd_lt(flattest);
-            let crossing = above / leaves.select(-slope, splat(s, 1.0));
-            nearest = leaves.select(nearest.min(crossing), nearest);
-        }
-        nearest.max(zero)
+        let [_, exit] = self.span(s, p, direction, inverse);
+        exit.max(splat(s, 0.0))
     }
 
     /// Between how many lengths of a direction from positions, wherever these are, the way lies in the box and region;
     /// the first is not less than 0, and not less than the second where there is no such way.
     #[inline(always)]
     pub fn span<S: Lanes>(&self, s: S, p: &Vec3<S>, direction: &Vec3<S>, inverse: &Vec3<S>) -> [F32<S>; 2] {
-        let (zero, far) = (splat(s, 0.0), splat(s, f32::INFINITY));
-        let (mut enter, mut exit) = (zero, far);
+        let (zero, never) = (splat(s, 0.0), splat(s, f32::INFINITY));
+        let extent = [0, 1, 2].map(|axis| self.high[axis] - self.low[axis]);
+        let ways = xyz!(I => inverse[I].abs() * extent[I]);
+        let longest = ways[0].min(ways[1]).min(ways[2]);
+        let (mut first, mut nearest) = (zero, never);
         for axis in 0..3 {
             let (low, high) = (splat(s, self.low[axis]), splat(s, self.high[axis]));
             let ascends = inverse[axis].simd_gt(zero);
-            enter = enter.max((ascends.select(low, high) - p[axis]) * inverse[axis]);
-            exit = exit.min((ascends.select(high, low) - p[axis]) * inverse[axis]);
+            // Along a side there is no end, least of all for a position on it, by rounding beyond it.
+            let leaves = (ways[axis] * ROUNDING).simd_le(longest);
+            let border = ascends.select(high, low);
+            nearest = leaves.select(nearest.min((border - p[axis]) * inverse[axis]), nearest);
+            let beside = p[axis].simd_lt(low - TOLERANCE) | p[axis].simd_gt(high + TOLERANCE);
+            let entry = (ascends.select(low, high) - p[axis]) * inverse[axis];
+            first = first.max(leaves.select(entry, beside.select(never, zero)));
         }
+        let flattest = splat(s, ROUNDING * extent[0].max(extent[1]).max(extent[2])) / longest;
         for (normal, offset) in &self.planes {
             let normal = xyz!(I => splat(s, normal[I]));
             let (slope, above) = (dot::<S>(normal, *direction), dot::<S>(normal, *p) - *offset);
-            let along = slope.simd_eq(zero);
-            let crossing = above / along.select(splat(s, -1e-30), -slope);
-            enter = slope.simd_gt(zero).select(enter.max(crossing), enter);
-            exit = slope.simd_gt(zero).select(exit, exit.min(crossing));
+            let (leaves, enters) = (slope.simd_lt(-flattest), slope.simd_gt(flattest));
+            let crossing = above / leaves.select(-slope, splat(s, 1.0));
+            nearest = leaves.select(nearest.min(crossing), nearest);
+            let entry = -above / enters.select(slope, splat(s, 1.0));
+            let beside = !leaves & above.simd_lt(splat(s, -TOLERANCE));
+            first = first.max(enters.select(entry, beside.select(never, zero)));
         }
-        [enter, exit]
+        [first, nearest]
     }
 
     /// The faces on which rays in some directions enter at positions: unit normals inwards, and their offsets;
@@ -157,5 +150,66 @@ impl Bounds {
             right &= above.simd_ge(splat(s, -normal[axis] - TOLERANCE));
         }
         [left, right]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::packet::inverse;
+
+    /// Spans of ways from a position, in the first lane.
+    fn span<S: Lanes>(s: S, bounds: &Bounds, p: [f32; 3], direction: [f32; 3]) -> [f32; 3] {
+        let [p, direction] = [p, direction].map(|v| xyz!(I => splat(s, v[I])));
+        let inverse = inverse(s, &direction);
+        let [first, last] = bounds.span(s, &p, &direction, &inverse);
+        [first[0], last[0], bounds.exit(s, &p, &direction, &inverse)[0]]
+    }
+
+    fn bounds(clipped: bool) -> Bounds {
+        let mut region = Region::from_clips(&[]);
+        if clipped {
+            region.keep(DVec3::Y, DVec3::new(0.0, 2.0, 0.0));
+        }
+        Bounds::new(&Grid::new([9, 9, 9]).unwrap(), &region)
+    }
+
+    /// On a side, by rounding within it or beyond it, the way along it is as long as within the box.
+    #[test]
+    fn ways_along_a_side_are_inside() {
+        for set in InstructionSet::ALL.into_iter().filter_map(InstructionSet::resolve) {
+            for (axis, side, off) in [0, 1].into_iter().flat_map(|axis| {
+                [0.0, 8.0].into_iter().flat_map(move |side| [-1e-5, 0.0, 1e-5].map(|off| (axis, side, off)))
+            }) {
+                for up in [-1.0f32, 1.0] {
+                    let mut p = [3.0, 4.0, 5.0];
+                    p[axis] = side + off;
+                    let inside = if up > 0.0 { 3.0 } else { 5.0 };
+                    let found = dispatch!(set, s => span(s, &bounds(false), p, [0.0, -0.0, up]));
+                    assert_eq!(found, [0.0, inside, inside], "{set}: {p:?}, {up}");
+                    // From below or above the box.
+                    p[2] -= 10.0 * up;
+                    let found = dispatch!(set, s => span(s, &bounds(false), p, [0.0, -0.0, up]));
+                    assert_eq!(found[..2], [10.0 - (8.0 - inside), 10.0 + inside], "{set}: {p:?}, {up}");
+                    // Well beside it there is no way.
+                    p[axis] = if side > 0.0 { 8.1 } else { -0.1 };
+                    let [first, last, _] = dispatch!(set, s => span(s, &bounds(false), p, [0.0, -0.0, up]));
+                    assert!(first >= last, "{set}: {p:?}, {up}: {first} to {last}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn clips_begin_and_end_ways() {
+        for set in InstructionSet::ALL.into_iter().filter_map(InstructionSet::resolve) {
+            let of = |p, direction| dispatch!(set, s => span(s, &bounds(true), p, direction));
+            assert_eq!(of([4.0, -1.0, 4.0], [0.0, 1.0, 0.0])[..2], [3.0, 9.0]);
+            assert_eq!(of([4.0, 5.0, 4.0], [0.0, -1.0, 0.0]), [0.0, 3.0, 3.0]);
+            // Along the clip, on it and below it.
+            assert_eq!(of([4.0, 2.0, 4.0], [1.0, 0.0, 0.0]), [0.0, 4.0, 4.0]);
+            let [first, last, _] = of([4.0, 1.5, 4.0], [1.0, 0.0, 0.0]);
+            assert!(first >= last, "{first} to {last}");
+        }
     }
 }
