@@ -181,4 +181,17 @@ mod tests {
         assert!(message.contains("\"jet\"") && message.contains("viridis, plasma"), "{message}");
         assert!(ColorMap::by_name("viridis").unwrap().points([1.0, 1.0]).is_err());
     }
+
+    #[test]
+    fn a_color_is_a_map_of_itself_unless_a_map_has_its_name() {
+        let window = [10.0, 30.0];
+        assert_eq!(ColorMap::colors("magenta", window).unwrap(), [ColorPoint::new(10.0, Color::hex(0xff00ff))]);
+        let gray = ColorMap::by_name("gray").unwrap().points(window).unwrap();
+        for name in ["gray", "grey"] {
+            assert_eq!(ColorMap::colors(name, window).unwrap(), gray, "{name}");
+        }
+        assert_eq!(ColorMap::colors("grey_r", window).unwrap().len(), gray.len());
+        assert!(ColorMap::colors("magneta", window).is_err());
+        assert!(ColorMap::colors("magenta", [1.0, 1.0]).is_err());
+    }
 }
