@@ -2,7 +2,7 @@
 //!
 //! A frame is drawn by packets of rays in tiles over all cores. Every mode stands on the same parts:
 //! rays, where they meet the field and where on them samples are taken (`rays`), side by side in
-//! vectors (`packet`), the question "what is the field here?" (`field`), what it looks like
+//! vectors (`packet`), what lies along them (`medium`), the question "what is the field here?" (`field`), what it looks like
 //! (`classify`, `surface`), and blocks that cannot contribute (`skip`). A mode is what it does with
 //! the samples. What runs per sample is written once and compiled for every instruction set
 //! (`lanes`).

@@ -106,7 +106,8 @@ impl Scene {
         settled.camera = auto::settled_camera(&self.camera, &framed);
         // What is written down is what is drawn, to the bit.
         let viewpoint = settled.camera.viewpoint(width as usize, height as usize, &[]);
-        fuse(self.overlap, &mut staged).map_err(|error| ResolveError::Optics { path: "overlap".to_owned(), error })?;
+        fuse(self.overlap, &technique, &mut staged)
+            .map_err(|error| ResolveError::Optics { path: "overlap".to_owned(), error })?;
         choices.extend(auto::camera_choice(&self.camera, &viewpoint));
         choices.extend(auto::lights_choice(&self.lighting, &self.technique));
         settled.lighting.lights = auto::lights(&self.lighting, &self.technique).to_vec();

@@ -188,6 +188,14 @@ impl Technique {
         }
     }
 
+    /// Whether a rule of overlap decides anything: rays that meet surfaces, and paths, meet all volumes.
+    pub fn heeds_overlap(&self) -> bool {
+        match self {
+            Self::RayCast(RayCast { mode }) => !matches!(mode, Mode::Isosurface(_)),
+            Self::Slicing(_) | Self::HalfAngle(_) | Self::PathTrace(_) => false,
+        }
+    }
+
     pub(crate) fn check(&self, path: &str) -> Checked {
         let path = format!("{path}.{}", self.name());
         match self {

@@ -9,8 +9,8 @@ use pellucid::{Backend, CpuRenderer, Renderer};
 use crate::scenes::{difference, draw, folder, gpu, name_of, scenes, stage};
 
 /// Whether a scene must look the same on both backends. What only one of them draws is compared with its stored
-/// picture, and paths of light differ by their noise, which tests of that backend know how to judge: their names
-/// tell, so that a scene which a backend refuses by mistake is not passed over.
+/// picture, paths of light differ by their noise, which tests of that backend know how to judge, and several volumes are
+/// the processor's: their names tell, so that a scene which a backend refuses by mistake is not passed over.
 fn for_both(name: &str) -> bool {
     !["slicing-", "path-trace-", "layers-"].iter().any(|technique| name.starts_with(technique))
 }
