@@ -2,15 +2,11 @@
 
 use pellucid_optics::{Color, ColorPoint, OpacityPoint, OpticsError, TransferFunction};
 
-use crate::{Overlap, StageVolume, Technique};
+use crate::{Overlap, StageVolume};
 
-/// Gives volumes the optics that they are fused by: one opaque colours without light, the other white matter. Only where
-/// the technique merges them by that rule: elsewhere both are drawn as they are.
-pub fn fuse(overlap: Overlap, technique: &Technique, volumes: &mut [StageVolume]) -> Result<(), OpticsError> {
+/// Gives volumes the optics that they are fused by: one opaque colours without light, the other white matter.
+pub fn fuse(overlap: Overlap, volumes: &mut [StageVolume]) -> Result<(), OpticsError> {
     let Overlap::Fused { color, opacity } = overlap else { return Ok(()) };
-    if !technique.heeds_overlap() {
-        return Ok(());
-    }
     let of = |colors, opacities, old: &TransferFunction| {
         TransferFunction::new(colors, opacities)?.with_unit_distance(old.unit_distance())
     };

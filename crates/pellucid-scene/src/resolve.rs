@@ -15,7 +15,9 @@ use crate::choice::Choice;
 use crate::framing::Framed;
 use crate::fused::fuse;
 use crate::origin::{counted_from, origin_of};
-use crate::{Crop, ImageSettings, Invalid, Mode, Region, Scene, Stage, StageVolume, Technique, Viewpoint, VolumeEntry};
+use crate::{
+    Crop, ImageSettings, Invalid, Mode, Overlap, Region, Scene, Stage, StageVolume, Technique, Viewpoint, VolumeEntry,
+};
 
 /// Why a scene does not fit its volumes.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -106,8 +108,8 @@ impl Scene {
         settled.camera = auto::settled_camera(&self.camera, &framed);
         // What is written down is what is drawn, to the bit.
         let viewpoint = settled.camera.viewpoint(width as usize, height as usize, &[]);
-        fuse(self.overlap, &technique, &mut staged)
-            .map_err(|error| ResolveError::Optics { path: "overlap".to_owned(), error })?;
+        let overlap = if technique.heeds_overlap() { self.overlap } else { Overlap::Add };
+        fuse(overlap, &mut staged).map_err(|error| ResolveError::Optics { path: "overlap".to_owned(), error })?;
         choices.extend(auto::camera_choice(&self.camera, &viewpoint));
         choices.extend(auto::lights_choice(&self.lighting, &self.technique));
         settled.lighting.lights = auto::lights(&self.lighting, &self.technique).to_vec();
@@ -118,7 +120,7 @@ impl Scene {
             shadows: self.lighting.shadows,
             light_model: self.lighting.model,
             volumes: staged,
-            overlap: self.overlap,
+            overlap,
             viewpoint,
             technique,
             quality: self.quality.clone(),

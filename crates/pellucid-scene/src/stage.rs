@@ -16,7 +16,7 @@ use crate::{
 pub struct Stage {
     /// The volumes.
     pub volumes: Vec<StageVolume>,
-    /// What lies where several of them overlap.
+    /// What lies where several of them overlap; the sum where the technique heeds no other rule.
     pub overlap: Overlap,
     /// The camera and the size of the picture.
     pub viewpoint: Viewpoint,

@@ -475,14 +475,17 @@ fn white_matter_in_white_light_is_not_seen() {
 
 #[test]
 fn paths_collide_with_the_sum_of_all_matter() {
-    const SAMPLES: u32 = 4000;
+    const SAMPLES: u32 = 2000;
     let opacities = [0.12, 0.3];
     let draw = |swapped: bool| {
         let mut layers = boxes(opacities);
         if swapped {
             layers.reverse();
         }
-        stage(&layers, |scene| by_paths(scene, SAMPLES, Environment::Dark))
+        stage(&layers, |scene| {
+            by_paths(scene, SAMPLES, Environment::Dark);
+            (scene.image.width, scene.image.height) = (16, 16);
+        })
     };
     let (stage, swapped) = (draw(false), draw(true));
     let frame = render(&stage);
@@ -502,10 +505,11 @@ fn paths_collide_with_the_sum_of_all_matter() {
         assert!((found - exact).abs() <= 5.0 * error, "pixel {pixel}: {found}, exact {exact} +- {error}");
         match met {
             [Some(_), Some(_)] => both += 1,
+            [None, None] => {}
             _ => one += 1,
         }
     }
-    assert!(both >= 4 && one >= 4, "{both} pixels see both boxes, {one} others");
+    assert!(both >= 4 && one >= 4, "{both} pixels see both boxes, {one} one of them");
 }
 
 /// Surfaces and paths meet all volumes, whatever rule is asked for: those of a pair that would be fused are themselves.
