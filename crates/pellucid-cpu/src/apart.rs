@@ -70,12 +70,13 @@ impl<S: Lanes> Apart<'_, S> {
             most = best.select(rgba[3], most);
             depth = best.select(load(s, &found.depth), depth);
             normal = xyz!(I => best.select(load(s, &found.normal[I]), normal[I]));
-            elements.push(Some(Element { rgba, visible: rgba[3].simd_gt(zero) }));
+            elements.push(Element { rgba, visible: rgba[3].simd_gt(zero) });
         }
-        let color = match merged(s, self.overlap, &elements) {
-            _ if self.adds && self.overlap == Overlap::Add => [sum[0], sum[1], sum[2], splat(s, 1.0) - through],
-            Some(Element { rgba, visible }) => rgba!(C => visible.select(rgba[C], zero)),
-            None => [zero; 4],
+        let color = if self.adds && self.overlap == Overlap::Add {
+            [sum[0], sum[1], sum[2], splat(s, 1.0) - through]
+        } else {
+            let Element { rgba, visible } = merged(s, self.overlap, &elements);
+            rgba!(C => visible.select(rgba[C], zero))
         };
         traced.set_color::<S>(color);
         traced.set_surface(s, depth.is_finite(), depth, normal);

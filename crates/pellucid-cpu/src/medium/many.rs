@@ -2,7 +2,7 @@
 
 use pellucid_scene::Overlap;
 
-use super::{Layer, Ways};
+use super::{Layer, Progress, Ways};
 use crate::composite::{Accumulation, Accumulator};
 use crate::element::Element;
 use crate::integrator::{Counter, Integrator, Tally, Traced};
@@ -33,10 +33,19 @@ impl<S: Lanes> Integrator for Many<'_, S> {
         s.vectorize(
             #[inline(always)]
             || {
-                for (packets, traced) in wave.chunks_exact(self.layers.len() + 1).zip(traced) {
+                let group = self.layers.len() + 1;
+                let mut followed: Vec<Journey<S>> = Vec::with_capacity(traced.len());
+                for packets in wave.chunks_exact(group) {
                     let ways = Ways::of_eye(s, packets, &self.layers, self.step);
-                    let (mut counter, mut ray) = (Counter::new(s), self.accumulation.start(s));
-                    self.follow(&ways, &mut ray, &mut counter);
+                    let (progress, counter) = (ways.start(s), Counter::new(s));
+                    followed.push(Journey { ways, progress, counter, ray: self.accumulation.start(s), open: true });
+                }
+                while followed.iter().any(|packet| packet.open) {
+                    for packet in followed.iter_mut().filter(|packet| packet.open) {
+                        packet.open = self.run(packet);
+                    }
+                }
+                for (Journey { ways, ray, counter, .. }, traced) in followed.into_iter().zip(traced) {
                     self.accumulation.finish(
                         s,
                         &ray,
@@ -51,18 +60,26 @@ impl<S: Lanes> Integrator for Many<'_, S> {
     }
 }
 
+/// A packet on its way.
+struct Journey<S: Lanes> {
+    ways: Ways<S>,
+    progress: Progress<S>,
+    counter: Counter<S>,
+    ray: Accumulator<S>,
+    open: bool,
+}
+
 impl<S: Lanes> Many<'_, S> {
+    /// Goes on with a packet for a run. Returns whether there is more.
     #[inline(always)]
-    fn follow(&self, ways: &Ways<S>, ray: &mut Accumulator<S>, counter: &mut Counter<S>) {
-        let (s, what) = (self.s, (&*self.layers, self.overlap));
-        let mut progress = ways.start(s);
-        while ways.run(
-            s,
-            &mut progress,
-            what,
+    fn run(&self, Journey { ways, progress, counter, ray, .. }: &mut Journey<S>) -> bool {
+        ways.run(
+            self.s,
+            progress,
+            (&*self.layers, self.overlap),
             counter,
             #[inline(always)]
-            |distance, Element { rgba, visible }, _| self.accumulation.add(s, ray, distance, *rgba, *visible),
-        ) {}
+            |distance, Element { rgba, visible }, _| self.accumulation.add(self.s, ray, distance, *rgba, *visible),
+        )
     }
 }

@@ -5,10 +5,10 @@ use pellucid_scene::Overlap;
 use crate::element::Element;
 use crate::lanes::*;
 
-/// The elements of all layers in one; `None` if none has any opacity. But for [`Overlap::Priority`], it does not depend
-/// on their order.
+/// The elements of all layers in one. But for [`Overlap::Priority`] and [`Overlap::Fused`], it does not depend on their
+/// order.
 #[inline(always)]
-pub fn merged<S: Lanes>(s: S, overlap: Overlap, elements: &[Option<Element<S>>]) -> Option<Element<S>> {
+pub fn merged<S: Lanes>(s: S, overlap: Overlap, elements: &[Element<S>]) -> Element<S> {
     match overlap {
         Overlap::Add => added(s, elements),
         Overlap::Maximum => chosen(elements, s, larger::<S>),
@@ -18,58 +18,56 @@ pub fn merged<S: Lanes>(s: S, overlap: Overlap, elements: &[Option<Element<S>>])
             #[inline(always)]
             |_, _| all(s, false),
         ),
-        Overlap::Fused { color, opacity } => fused(s, elements.get(color)?.as_ref(), elements.get(opacity)?.as_ref()),
+        Overlap::Fused { color, opacity } => match (elements.get(color), elements.get(opacity)) {
+            (Some(color), Some(opacity)) => fused(s, color, opacity),
+            _ => Element::nothing(s),
+        },
     }
 }
 
 /// Extinctions add, and so does emission, weighted by them: `C = A sum(tau c) / sum(tau)` with `A = 1 - e^-sum(tau)`.
 #[inline(always)]
-fn added<S: Lanes>(s: S, elements: &[Option<Element<S>>]) -> Option<Element<S>> {
+fn added<S: Lanes>(s: S, elements: &[Element<S>]) -> Element<S> {
     /// The largest opacity below 1: full opacity has no depth that a number could tell.
     const OPAQUE: f32 = 1.0 - f32::EPSILON / 2.0;
     let (zero, one) = (splat(s, 0.0), splat(s, 1.0));
-    let mut present = elements.iter().flatten();
-    let first = present.next()?;
-    let (mut only, mut visible, mut several) = (first.rgba, first.visible, all(s, false));
-    for Element { rgba, visible: own } in present {
-        several |= visible & *own;
-        only = rgba!(C => own.select(rgba[C], only[C]));
-        visible |= *own;
-    }
-    if !visible.any_true() {
-        return None;
+    let (mut only, mut several) = (Element::nothing(s), all(s, false));
+    for Element { rgba, visible } in elements {
+        several |= only.visible & *visible;
+        only.rgba = rgba!(C => visible.select(rgba[C], only.rgba[C]));
+        only.visible |= *visible;
     }
     if !several.any_true() {
-        return Some(Element { rgba: only, visible });
+        return only;
     }
     let (mut depth, mut color) = (zero, [zero; 3]);
-    for Element { rgba, visible: own } in elements.iter().flatten() {
-        let own_depth = own.select(extinction(s, rgba[3].min(splat(s, OPAQUE))), zero);
-        let straight = own_depth / own.select(rgba[3], one);
+    for Element { rgba, visible } in elements {
+        let own_depth = visible.select(extinction(s, rgba[3].min(splat(s, OPAQUE))), zero);
+        let straight = own_depth / visible.select(rgba[3], one);
         depth += own_depth;
-        color = xyz!(C => own.select(rgba[C].mul_add(straight, color[C]), color[C]));
+        color = xyz!(C => visible.select(rgba[C].mul_add(straight, color[C]), color[C]));
     }
     let alpha = opacity_of(s, depth);
     let share = alpha / several.select(depth, one);
     let [r, g, b] = xyz!(C => color[C] * share);
     let together = [r, g, b, alpha];
-    Some(Element { rgba: rgba!(C => several.select(together[C], only[C])), visible })
+    Element { rgba: rgba!(C => several.select(together[C], only.rgba[C])), visible: only.visible }
 }
 
 /// Of the visible elements the first, but where a later one is better.
 #[inline(always)]
 fn chosen<S: Lanes>(
-    elements: &[Option<Element<S>>],
+    elements: &[Element<S>],
     s: S,
     better: impl Fn(&[F32<S>; 4], &[F32<S>; 4]) -> Mask<S>,
-) -> Option<Element<S>> {
-    let (mut rgba, mut visible) = ([splat(s, 0.0); 4], all(s, false));
-    for Element { rgba: own, visible: there } in elements.iter().flatten() {
-        let takes = *there & (!visible | better(own, &rgba));
-        rgba = rgba!(C => takes.select(own[C], rgba[C]));
-        visible |= *there;
+) -> Element<S> {
+    let mut best = Element::nothing(s);
+    for Element { rgba, visible } in elements {
+        let takes = *visible & (!best.visible | better(rgba, &best.rgba));
+        best.rgba = rgba!(C => takes.select(rgba[C], best.rgba[C]));
+        best.visible |= *visible;
     }
-    visible.any_true().then_some(Element { rgba, visible })
+    best
 }
 
 /// More opacity or, where that is the same, the brighter colour: a choice that no order decides.
@@ -87,14 +85,13 @@ fn larger<S: Lanes>(own: &[F32<S>; 4], other: &[F32<S>; 4]) -> Mask<S> {
 /// What one layer sends to the eye in the colour of the other: light of the first, whose colours are white, times
 /// the opaque colours of the second. It keeps its own where the other is absent.
 #[inline(always)]
-fn fused<S: Lanes>(s: S, color: Option<&Element<S>>, opacity: Option<&Element<S>>) -> Option<Element<S>> {
-    let Element { rgba, visible } = opacity?;
-    let mut fused = *rgba;
-    if let Some(Element { rgba: other, visible: there }) = color {
-        let straight = splat(s, 1.0) / there.select(other[3], splat(s, 1.0));
-        for channel in 0..3 {
-            fused[channel] = there.select(rgba[channel] * other[channel] * straight, fused[channel]);
-        }
+fn fused<S: Lanes>(s: S, color: &Element<S>, opacity: &Element<S>) -> Element<S> {
+    let (one, there) = (splat(s, 1.0), color.visible);
+    let straight = one / there.select(color.rgba[3], one);
+    let mut fused = *opacity;
+    for channel in 0..3 {
+        let own = fused.rgba[channel];
+        fused.rgba[channel] = there.select(own * color.rgba[channel] * straight, own);
     }
-    Some(Element { rgba: fused, visible: *visible })
+    fused
 }

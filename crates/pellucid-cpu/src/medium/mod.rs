@@ -7,19 +7,20 @@ mod choice;
 mod many;
 mod merge;
 mod one_grid;
+mod run;
 mod ways;
 
 pub use choice::WithMedium;
 pub use many::Many;
 pub use merge::merged;
 pub use one_grid::{Integrals, OneGrid, Segmented};
-pub use ways::{Span, Ways};
+pub use run::{Piece, Run, Span};
+pub use ways::{Progress, Ways};
 
 use crate::cut::Cut;
 use crate::element::Element;
 use crate::lanes::*;
 use crate::packet::{Packet, Rays};
-use crate::samples::Sample;
 use crate::surface::Aim;
 
 /// What light needs of the eye's rays.
@@ -30,14 +31,6 @@ pub struct Beam<S: Lanes> {
     pub cut: Cut<S>,
 }
 
-/// Pieces of rays between two nodes of their lattice, or what of them lies in a layer.
-pub struct Piece<S: Lanes> {
-    /// The sample that stands for them.
-    pub sample: Sample<S>,
-    /// Distances of their ends, in steps.
-    pub ends: [F32<S>; 2],
-}
-
 /// A volume among others.
 pub trait Layer<S: Lanes>: Sync {
     /// What light needs of the eye's rays, if samples are lit.
@@ -46,8 +39,8 @@ pub trait Layer<S: Lanes>: Sync {
     /// How many steps from index positions on nothing can be seen, or a little less.
     fn leap(&self, index: &Vec3<S>, inverse: &Vec3<S>) -> F32<S>;
 
-    /// What pieces of rays in it send to the eye, over their own length; `None` if none has any opacity.
-    fn at(&self, rays: &Rays<S>, beam: Option<&Beam<S>>, piece: &Piece<S>) -> Option<Element<S>>;
+    /// Writes down what pieces of rays in it send to the eye, over their own length: into every `stride`-th place.
+    fn look(&self, span: &Span<S>, run: &Run<S>, found: (&mut [Element<S>], usize));
 
     /// Unit normals of the field at index positions; zero where there is none.
     fn normals(&self, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S>;

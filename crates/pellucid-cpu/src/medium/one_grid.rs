@@ -2,7 +2,7 @@
 
 use pellucid_optics::Chroma;
 
-use super::{Beam, Layer, Piece};
+use super::{Beam, Layer, Piece, Run, Span};
 use crate::chroma;
 use crate::classify::{Classify, Segments};
 use crate::cut::Cuts;
@@ -172,14 +172,27 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> Layer<S> for OneGrid<'_, S, F, C> {
         )
     }
 
-    fn at(&self, _: &Rays<S>, beam: Option<&Beam<S>>, piece: &Piece<S>) -> Option<Element<S>> {
-        self.s.vectorize(
+    fn look(&self, span: &Span<S>, run: &Run<S>, found: (&mut [Element<S>], usize)) {
+        let (s, beam) = (self.s, span.beam.as_ref());
+        s.vectorize(
             #[inline(always)]
             || match self.surface {
-                Some(_) => self.sample::<true>(beam, &piece.sample),
-                None => self.sample::<false>(beam, &piece.sample),
+                Some(_) => run.each(
+                    s,
+                    span,
+                    found,
+                    #[inline(always)]
+                    |piece| self.sample::<true>(beam, &piece.sample),
+                ),
+                None => run.each(
+                    s,
+                    span,
+                    found,
+                    #[inline(always)]
+                    |piece| self.sample::<false>(beam, &piece.sample),
+                ),
             },
-        )
+        );
     }
 
     fn normals(&self, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
@@ -205,18 +218,26 @@ impl<S: Lanes, F: Field<S>, V: Vary> Layer<S> for Segmented<OneGrid<'_, S, F, In
         )
     }
 
-    fn at(&self, rays: &Rays<S>, beam: Option<&Beam<S>>, piece: &Piece<S>) -> Option<Element<S>> {
-        let (medium, s) = (&self.0, self.0.s);
+    fn look(&self, span: &Span<S>, run: &Run<S>, found: (&mut [Element<S>], usize)) {
+        let (medium, s, rays) = (&self.0, self.0.s, &span.rays);
         s.vectorize(
             #[inline(always)]
             || {
-                let Piece { sample: Sample { ratio, lanes, .. }, ends: [from, to] } = *piece;
-                let front = medium.field.values(s, rays.at(from), lanes);
-                let back = medium.field.values(s, rays.at(to), lanes);
-                let segment = Segment { distance: [from, to], length: ratio, value: [front, back], lanes };
-                medium.between(rays, beam, &segment)
+                run.each(
+                    s,
+                    span,
+                    found,
+                    #[inline(always)]
+                    |Piece { sample: Sample { ratio, lanes, .. }, ends: [from, to] }| {
+                        let front = medium.field.values(s, rays.at(*from), *lanes);
+                        let back = medium.field.values(s, rays.at(*to), *lanes);
+                        let segment =
+                            Segment { distance: [*from, *to], length: *ratio, value: [front, back], lanes: *lanes };
+                        medium.between(rays, span.beam.as_ref(), &segment)
+                    },
+                );
             },
-        )
+        );
     }
 
     fn normals(&self, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {

@@ -5,26 +5,14 @@
 
 use pellucid_scene::Overlap;
 
+use super::Layer;
 use super::merge::merged;
-use super::{Beam, Layer, Piece};
+use super::run::{CLOSE, Run, Span};
 use crate::element::Element;
 use crate::integrator::Counter;
 use crate::lanes::*;
 use crate::packet::{Packet, Rays};
-use crate::samples::{RUN, Sample};
-
-/// Nodes and borders that are less apart are one, in steps: positions are rounded by about as much.
-const CLOSE: f32 = 1e-4;
-
-/// Where a layer lies on the rays of a packet.
-pub struct Span<S: Lanes> {
-    /// The rays in its index space, from where they enter it.
-    pub rays: Rays<S>,
-    /// Distances of that entry and of the exit, in steps; infinity and its negative where they miss it.
-    pub ends: [F32<S>; 2],
-    /// What light needs of the eye's rays, if samples are lit.
-    pub beam: Option<Beam<S>>,
-}
+use crate::samples::RUN;
 
 /// The rays of a packet, and where the layers lie on them.
 pub struct Ways<S: Lanes> {
@@ -39,6 +27,10 @@ pub struct Ways<S: Lanes> {
 pub struct Progress<S: Lanes> {
     distance: F32<S>,
     open: Mask<S>,
+    /// What the layers send of the pieces of a run, piece by piece.
+    each: Vec<Element<S>>,
+    /// The same of all layers together.
+    merged: Vec<Element<S>>,
 }
 
 impl<S: Lanes> Ways<S> {
@@ -81,8 +73,9 @@ impl<S: Lanes> Ways<S> {
     /// At the beginning.
     #[inline(always)]
     pub fn start(&self, s: S) -> Progress<S> {
-        let distance = splat(s, 0.0);
-        Progress { distance, open: self.goes_on(distance) }
+        let (distance, layers) = (splat(s, 0.0), self.spans.len());
+        let open = (distance + CLOSE).simd_lt(self.length);
+        Progress { distance, open, each: nothings(s, RUN * layers), merged: nothings(s, RUN) }
     }
 
     /// Looks at the next [`RUN`] pieces, nearest first: `see` is given the distance of their samples and the merged
@@ -92,79 +85,56 @@ impl<S: Lanes> Ways<S> {
         &self,
         s: S,
         progress: &mut Progress<S>,
-        (layers, overlap): (&[Box<dyn Layer<S> + '_>], Overlap),
+        what: (&[Box<dyn Layer<S> + '_>], Overlap),
         counter: &mut Counter<S>,
         mut see: impl FnMut(F32<S>, &Element<S>, &mut Counter<S>) -> Mask<S>,
     ) -> bool {
-        let Progress { mut distance, mut open } = *progress;
-        let to = self.leap(s, layers, distance, open);
-        counter.skip(to.min(self.length) - distance);
-        distance = to;
-        for _ in 0..RUN {
-            open &= self.goes_on(distance);
+        let mut open = progress.open;
+        let from = self.leap(s, what.0, progress.distance, open);
+        counter.skip(from.min(self.length) - progress.distance);
+        let run = Run::new(s, &self.spans, (from, self.length, open), self.jitter);
+        self.look(s, what, &run, progress);
+        for (number, element) in progress.merged.iter().take(run.count()).enumerate() {
+            open &= run.lanes(number);
             if !open.any_true() {
                 break;
             }
-            let end = self.end(distance);
             counter.sample(open);
-            let sample = self.jitter.mul_add(end - distance, distance);
-            if let Some(element) = self.element(s, layers, overlap, [distance, end], open) {
-                counter.see(element.visible);
-                let done = see(sample, &element, counter) & open;
+            let visible = element.visible & open;
+            if visible.any_true() {
+                counter.see(visible);
+                let done = see(run.sample(number), &Element { visible, ..*element }, counter) & open;
                 counter.terminate(done);
                 open &= !done;
             }
-            distance = end;
         }
-        *progress = Progress { distance, open };
-        open.any_true()
+        progress.distance = run.end();
+        progress.open = open & (run.end() + CLOSE).simd_lt(self.length);
+        progress.open.any_true()
     }
 
     /// What pieces send to the eye, of all layers together. A function of its own, as are all that hold loops over
     /// layers: in one they would take the compiler minutes.
     #[inline(never)]
-    fn element(
+    fn look(
         &self,
         s: S,
-        layers: &[Box<dyn Layer<S> + '_>],
-        overlap: Overlap,
-        ends: [F32<S>; 2],
-        open: Mask<S>,
-    ) -> Option<Element<S>> {
+        (layers, overlap): (&[Box<dyn Layer<S> + '_>], Overlap),
+        run: &Run<S>,
+        Progress { each, merged: together, .. }: &mut Progress<S>,
+    ) {
         s.vectorize(
             #[inline(always)]
             || {
-                let mut elements = Vec::with_capacity(layers.len());
-                for (span, layer) in self.spans.iter().zip(layers) {
-                    elements.push(self.of_layer(s, span, layer.as_ref(), ends, open));
+                for (number, (span, layer)) in self.spans.iter().zip(layers).enumerate() {
+                    layer.look(span, run, (&mut each[number..], layers.len()));
                 }
-                merged(s, overlap, &elements)
+                let pieces = each.chunks_exact(layers.len()).take(run.count());
+                for (together, elements) in together.iter_mut().zip(pieces) {
+                    *together = merged(s, overlap, elements);
+                }
             },
-        )
-    }
-
-    #[inline(always)]
-    fn of_layer(
-        &self,
-        s: S,
-        span: &Span<S>,
-        layer: &dyn Layer<S>,
-        [from, to]: [F32<S>; 2],
-        open: Mask<S>,
-    ) -> Option<Element<S>> {
-        let [start, end] = span.ends;
-        let middle = (from + to) * 0.5;
-        let lanes = open & middle.simd_gt(start) & middle.simd_lt(end);
-        if !lanes.any_true() {
-            return None;
-        }
-        let entry = lanes.select(start, from);
-        let ends = [from - entry, to - entry];
-        let ratio = to - from;
-        let distance = self.jitter.mul_add(ratio, ends[0]);
-        let shortened = (lanes & ratio.simd_lt(splat(s, 1.0))).any_true();
-        let sample = Sample { distance, index: span.rays.at(distance), ratio, level: None, shortened, lanes };
-        layer.at(&span.rays, span.beam.as_ref(), &Piece { sample, ends })
+        );
     }
 
     /// Unit normals at distances, of the layer that has most opacity there.
@@ -174,10 +144,10 @@ impl<S: Lanes> Ways<S> {
             #[inline(always)]
             || {
                 let (mut normal, mut most) = ([splat(s, 0.0); 3], splat(s, 0.0));
-                let half = splat(s, 0.5);
+                let (run, mut found) = (Run::around(s, distance, lanes, self.jitter), nothings(s, 1));
                 for (span, layer) in self.spans.iter().zip(layers) {
-                    let found = self.of_layer(s, span, layer.as_ref(), [distance - half, distance + half], lanes);
-                    let Some(Element { rgba, visible }) = found else { continue };
+                    layer.look(span, &run, (&mut found, 1));
+                    let Element { rgba, visible } = found[0];
                     let more = visible & rgba[3].simd_gt(most);
                     if more.any_true() {
                         let at = more.select(distance - span.ends[0], splat(s, 0.0));
@@ -189,24 +159,6 @@ impl<S: Lanes> Ways<S> {
                 normal
             },
         )
-    }
-
-    #[inline(always)]
-    fn goes_on(&self, distance: F32<S>) -> Mask<S> {
-        (distance + CLOSE).simd_lt(self.length)
-    }
-
-    /// Where the piece ends that begins at a distance: at the next node, or the border of a layer before it.
-    #[inline(always)]
-    fn end(&self, from: F32<S>) -> F32<S> {
-        let beyond = from + CLOSE;
-        let mut end = beyond.floor() + 1.0;
-        for span in &self.spans {
-            for border in span.ends {
-                end = (border.simd_gt(beyond) & border.simd_lt(end - CLOSE)).select(border, end);
-            }
-        }
-        end
     }
 
     /// The last node before which nothing can be seen, or the distance itself.
@@ -238,4 +190,9 @@ impl<S: Lanes> Ways<S> {
             },
         )
     }
+}
+
+/// So many elements that nothing is seen of.
+fn nothings<S: Lanes>(s: S, count: usize) -> Vec<Element<S>> {
+    (0..count).map(|_| Element::nothing(s)).collect()
 }
