@@ -9,6 +9,7 @@ use wgpu::{BindGroup, BindingResource, Buffer, FilterMode, Sampler, SamplerDescr
 use crate::bounds::BoundsBuffer;
 use crate::dispatch::Bound;
 use crate::drawing::Interpolation;
+use crate::four::Four;
 use crate::groups::{Groups, Named};
 use crate::kernels::Kernels;
 use crate::lights::Light;
@@ -70,13 +71,15 @@ impl<'a> Bindings<'a> {
             knots: !optics.nodes.knots().is_empty(),
             opaque: optics.opaque,
             kernels: kernels.is_some(),
+            layered: stage.has_layers(),
             ..Variant::of(optics.pass)
         };
         let mut frame = Frame::new(stage, volume, &region);
-        let window = Window::of(&stage.viewpoint, &grid.world_corners());
+        let window = Window::of(&stage.viewpoint, uniforms::corners(stage));
         frame.set_window(&window);
         frame.set_values(resident.field().data());
-        frame.set_nodes(&optics.nodes);
+        let knots = list_length(&uploads.entries) - optics.nodes.knots().len() as u64;
+        frame.set_nodes(&optics.nodes, knots);
         frame.scattering = uploads.scattering;
         frame.noise = uploads.perturbation.as_ref().map_or(Noise::default(), |noise| noise.numbers);
         // Where the length of a gradient tells something, a cut must not lengthen it.
@@ -125,16 +128,32 @@ impl<'a> Bindings<'a> {
 
     /// What a pipeline is told of the frame and its passes, with buffers and textures of its technique.
     pub fn frame_group(&self, groups: &Groups, bounds: &BoundsBuffer, own: &[Named]) -> BindGroup {
+        groups.frame().bind(self.device, &[&self.of_frame(bounds)[..], own].concat())
+    }
+
+    /// What shaders are told of the frame and its passes.
+    pub fn of_frame<'r>(&'r self, bounds: &'r BoundsBuffer) -> Vec<Named<'r>> {
         let [frame, planes, lights] = &self.parts;
         let Uploads { blue_noise, levels, .. } = self.uploads;
         let all = [("frame", frame), ("planes", planes), ("lights", lights), ("levels", levels)];
         let all = all.map(|(name, buffer)| (name, buffer.as_entire_binding()));
         let more = [("bounds", bounds.binding()), ("blue_noise", BindingResource::TextureView(blue_noise))];
-        groups.frame().bind(self.device, &[&all[..], &more, own].concat())
+        all.into_iter().chain(more).collect()
+    }
+
+    /// Entries, planes and lights: what all volumes of a pass have in lists that they share.
+    pub fn lists(&self) -> [&Buffer; 3] {
+        let [_, planes, lights] = &self.parts;
+        [&self.uploads.entries, planes, lights]
     }
 
     /// The textures of a brick.
-    pub fn volume_group(&self, groups: &Groups, [field, voxels]: &[TextureView; 2]) -> BindGroup {
+    pub fn volume_group(&self, groups: &Groups, textures: &[TextureView; 2]) -> BindGroup {
+        groups.volume().bind(self.device, &self.of_volume(textures))
+    }
+
+    /// What shaders are told of a brick, and of the volume that it is of.
+    pub fn of_volume<'r>(&'r self, [field, voxels]: &'r [TextureView; 2]) -> Vec<Named<'r>> {
         use BindingResource::{Sampler, TextureView};
         let Uploads { blocks, perturbation, .. } = self.uploads;
         let mut all =
@@ -143,7 +162,7 @@ impl<'a> Bindings<'a> {
         all.extend(self.kernels.as_ref().map(|kernels| ("kernels", kernels.as_entire_binding())));
         all.extend(self.points.as_ref().map(|points| ("points", TextureView(points))));
         all.extend(perturbation.as_ref().map(|noise| ("noise_texels", TextureView(&noise.texels))));
-        groups.volume().bind(self.device, &all)
+        all
     }
 
     /// A pipeline with all that it is told of a frame and its passes, of a brick and of tables.
@@ -163,6 +182,11 @@ impl<'a> Bindings<'a> {
     pub fn table_group(&self, groups: &Groups) -> BindGroup {
         groups.tables().bind(self.device, &[("entries", self.uploads.entries.as_entire_binding())])
     }
+}
+
+/// How many rows of four numbers a list has.
+fn list_length(list: &Buffer) -> u64 {
+    list.size() / size_of::<Four>() as u64
 }
 
 fn one_point(device: &Device) -> TextureView {

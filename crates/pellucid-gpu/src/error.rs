@@ -80,11 +80,13 @@ pub enum GpuError {
         /// The compiler's message.
         message: String,
     },
-    /// The backend draws one volume at a time.
-    #[error("the scene holds {found} volumes and the GPU backend draws 1: keep one of them")]
+    /// More volumes than can be in one picture, or none.
+    #[error("the scene holds {found} volumes and the graphics device takes 1 to {most} at a time: use --backend cpu")]
     Volumes {
         /// Volumes in the scene.
         found: usize,
+        /// The most that a pass can be given.
+        most: usize,
     },
     /// A setting that this backend does not have.
     #[error("the GPU backend has no {what}: use --backend cpu")]

@@ -22,8 +22,8 @@ pub struct Group {
     /// What is drawn with it.
     label: String,
     layout: BindGroupLayout,
-    /// Numbers and names.
-    slots: Vec<(u32, String)>,
+    /// Numbers, volumes and names.
+    slots: Vec<(u32, usize, String)>,
 }
 
 impl Groups {
@@ -61,13 +61,13 @@ impl Groups {
 impl Group {
     fn new(device: &Device, label: &str, resources: &[Resource], group: u32) -> Self {
         let (mut slots, mut entries) = (Vec::new(), Vec::<BindGroupLayoutEntry>::new());
-        for Resource { place: [_, binding], name, ty, visibility } in
+        for Resource { place: [_, binding], layer, name, ty, visibility } in
             resources.iter().filter(|resource| resource.place[0] == group)
         {
             match entries.iter_mut().find(|entry| entry.binding == *binding) {
                 Some(entry) => entry.visibility |= *visibility,
                 None => {
-                    slots.push((*binding, name.clone()));
+                    slots.push((*binding, *layer, name.clone()));
                     entries.push(BindGroupLayoutEntry {
                         binding: *binding,
                         visibility: *visibility,
@@ -84,9 +84,14 @@ impl Group {
     /// Binds what the shaders use of some resources. One that is not among them is an error of this program, which
     /// [`Device::check`] tells.
     pub fn bind(&self, device: &Device, resources: &[Named]) -> BindGroup {
+        self.bind_layers(device, &[resources.to_vec()])
+    }
+
+    /// The same where each of several volumes has resources of its own.
+    pub fn bind_layers(&self, device: &Device, layers: &[Vec<Named>]) -> BindGroup {
         let mut entries = Vec::with_capacity(self.slots.len());
-        for (binding, name) in &self.slots {
-            match resources.iter().find(|(found, _)| found == name) {
+        for (binding, layer, name) in &self.slots {
+            match layers.get(*layer).and_then(|resources| resources.iter().find(|(found, _)| found == name)) {
                 Some((_, resource)) => entries.push(BindGroupEntry { binding: *binding, resource: resource.clone() }),
                 None => {
                     device.note(GpuError::Rejected { reason: format!("{} is given no {name}", self.label) });

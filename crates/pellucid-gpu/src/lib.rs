@@ -19,6 +19,7 @@ mod kernels;
 mod light_volume;
 mod lights;
 mod noise;
+mod on_device;
 mod optics;
 mod pace;
 mod path_trace;

@@ -126,9 +126,29 @@ impl MemoryPlan {
         ))
     }
 
+    /// What stays on the device, however much of the picture is drawn at once.
+    pub(crate) fn kept(&self) -> u64 {
+        self.voxels + self.staging + self.blocks + self.tables
+    }
+
+    /// The plan of two volumes in one picture.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            budget: self.budget,
+            voxels: self.voxels + other.voxels,
+            bricks: self.bricks.max(other.bricks),
+            staging: self.staging + other.staging,
+            blocks: self.blocks + other.blocks,
+            tables: self.tables + other.tables,
+            targets: self.targets.min(other.targets),
+            rows: self.rows.min(other.rows),
+            ..self
+        }
+    }
+
     /// All of it.
     pub fn total(&self) -> u64 {
-        self.voxels + self.staging + self.blocks + self.tables + self.targets
+        self.kept() + self.targets
     }
 }
 

@@ -5,25 +5,26 @@ use std::time::Instant;
 
 use pellucid_field::{Volume, memory};
 use pellucid_optics::{Anisotropy, Phase, ResolvedLight, Scattering, Shadows, Sky};
-use pellucid_plan::{PlanCache, Tables, cautions};
-use pellucid_scene::{Control, Frame, FrameStatistics, Mode, RenderWarning, Stage, StageVolume, Technique, denoise};
+use pellucid_plan::{PlanCache, Tables, cautions, merge_order};
+use pellucid_scene::{
+    Control, Frame, FrameStatistics, Mode, Overlap, RenderWarning, Stage, StageVolume, Technique, denoise,
+};
 
-use crate::bricks::{self, Brick};
+use crate::bricks;
 use crate::device::Device;
 use crate::drawing::{Drawing, Interpolation, Passes};
 use crate::half_angle::{self, HalfAngleSlicer, KeptLight};
 use crate::light_volume::{self, LightVolumes};
+use crate::on_device::{Drawn, OnDevice, Wanted};
 use crate::optics::Optics;
 use crate::path_trace::{self, KeptPaths, PathTracer};
 use crate::pipelines::Pipelines;
 use crate::plan::Demands;
 use crate::ray_cast::{KeptRays, RayCaster};
-use crate::resident::Resident;
 use crate::slicing::{self, KeptSlices, Slicer};
 use crate::targets::Targets;
 use crate::texture::{Encoding, Layout, Part, Source};
 use crate::timer::Timer;
-use crate::uploads::Uploads;
 use crate::{AdapterChoice, Ceiling, GpuError, MemoryPlan};
 
 /// The GPU backend. Keep one for several frames: the volume stays on the device, and so do pipelines.
@@ -32,8 +33,8 @@ pub struct GpuRenderer {
     drawing: Drawing,
     pipelines: Pipelines,
     cache: PlanCache,
-    uploads: Option<Uploads>,
-    resident: Option<Resident>,
+    /// The volumes that were drawn last, in the order in which they are merged.
+    volumes: Vec<OnDevice>,
     light: Option<LightVolumes>,
     rays: KeptRays,
     slices: KeptSlices,
@@ -71,8 +72,7 @@ impl GpuRenderer {
             travelling: KeptLight::default(),
             paths: KeptPaths::default(),
             targets: None,
-            uploads: None,
-            resident: None,
+            volumes: Vec::new(),
             light: None,
             next: Frame::default(),
         }
@@ -91,7 +91,7 @@ impl GpuRenderer {
         let shadows = matches!((&stage.technique, stage.shadows), (_, Shadows::None) | (Technique::RayCast(_), _));
         let noisy = |volume: &StageVolume| volume.perturbation.displaces() || volume.perturbation.varies();
         match &stage.technique {
-            _ if stage.has_layers() => Some(format!("{} volumes in one picture", stage.volumes.len())),
+            _ if stage.has_layers() => lacks_of_layers(stage),
             // Slices take a sample at its own place.
             Technique::Slicing(_) if stage.volumes.iter().any(noisy) => Some(format!("volumes.perturbation in {name}")),
             Technique::PathTrace(_) => lacks_of_paths(stage),
@@ -145,12 +145,13 @@ impl GpuRenderer {
     /// [`GpuError`]; the frame is then what it was before.
     pub fn render_into(&mut self, stage: &Stage, control: &Control, frame: &mut Frame) -> Result<(), GpuError> {
         let drawn = match self.draw(stage, control) {
-            Err(GpuError::Memory { .. }) if self.resident.is_some() => {
+            Err(GpuError::Memory { .. }) if self.held().is_some() => {
                 // Drivers do not tell beforehand what they have: once more, with half of what was tried.
-                let tried = self.resident.take().map_or(self.budget, |resident| resident.plan.total());
+                let tried = self.held().map_or(self.budget, |plan| plan.total());
+                self.volumes.clear();
                 self.budget = tried / 2;
                 self.draw(stage, control).map(|()| {
-                    let plan = self.resident.as_ref().map(|resident| resident.plan.to_string());
+                    let plan = self.held().map(|plan| plan.to_string());
                     let reason = format!(
                         "the graphics device has no {} MiB; drawn with {}",
                         tried >> 20,
@@ -165,7 +166,7 @@ impl GpuRenderer {
             && *error != GpuError::Cancelled
         {
             // Whatever is on the device is not to be relied on.
-            self.resident = None;
+            self.volumes.clear();
             self.light = None;
         }
         drawn?;
@@ -178,7 +179,13 @@ impl GpuRenderer {
     /// # Errors
     /// As [`GpuRenderer::render`].
     pub fn plan(&mut self, stage: &Stage) -> Result<MemoryPlan, GpuError> {
-        self.prepare(stage).map(|prepared| prepared.plan)
+        self.prepare(stage)?.plan().ok_or(GpuError::Volumes { found: 0, most: 1 })
+    }
+
+    /// What the volumes on the device were planned to need.
+    fn held(&self) -> Option<MemoryPlan> {
+        let plans = self.volumes.iter().filter_map(|held| Some(held.resident.as_ref()?.plan.clone()));
+        plans.reduce(MemoryPlan::and)
     }
 
     /// Uploads what changed: `volume` is the one drawn last but for the voxels in `part`, and the stages
@@ -196,26 +203,43 @@ impl GpuRenderer {
         }
         self.light = None;
         let encoding = Encoding::of(volume, &self.device.capabilities);
-        if let Some(resident) = &mut self.resident
-            && !resident.update(&self.device, volume, &encoding, part)?
-        {
-            self.resident = None;
+        for held in &mut self.volumes {
+            if let Some(resident) = &mut held.resident {
+                if resident.update(&self.device, volume, &encoding, part)? {
+                    return Ok(());
+                }
+                held.resident = None;
+            }
         }
         Ok(())
     }
 
     fn prepare<'s>(&mut self, stage: &'s Stage) -> Result<Prepared<'s>, GpuError> {
-        let [volume] = stage.volumes.as_slice() else {
-            return Err(GpuError::Volumes { found: stage.volumes.len() });
-        };
         if let Some(what) = Self::lacks(stage) {
             return Err(GpuError::Unsupported { what });
         }
+        let sky = stage.path_trace().map(|settings| settings.environment.resolve()).transpose()?.flatten();
+        let (mut volumes, mut used) = (Vec::with_capacity(stage.volumes.len()), 0);
+        for number in merge_order(stage) {
+            let prepared = self.prepare_volume(stage, number, sky.as_ref(), self.budget.saturating_sub(used))?;
+            used = used.saturating_add(prepared.plan.kept());
+            volumes.push(prepared);
+        }
+        Ok(Prepared { volumes, sky })
+    }
+
+    fn prepare_volume<'s>(
+        &mut self,
+        stage: &'s Stage,
+        number: usize,
+        sky: Option<&Sky>,
+        budget: u64,
+    ) -> Result<Wanted<'s>, GpuError> {
+        let volume = &stage.volumes[number];
         check_steps(stage, volume)?;
-        let tables = self.cache.tables(stage, 0)?;
+        let tables = self.cache.tables(stage, number)?;
         let sources = Source::of(&self.device, volume, &tables, stage);
         let optics = Optics::new(stage, volume, &tables);
-        let sky = stage.path_trace().map(|settings| settings.environment.resolve()).transpose()?.flatten();
         let demands = match stage.slicing() {
             Some(slicing) => slicing::demands(stage, volume, &optics, slicing),
             None => Demands {
@@ -224,20 +248,23 @@ impl GpuRenderer {
                 pixel_bytes: 0,
                 frame_bytes: stage.half_angle().map_or(0, half_angle::bytes)
                     + light_volume::bytes(&self.device, stage, volume)?
-                    + path_trace::bytes(&self.device, sky.as_ref())?,
+                    + path_trace::bytes(&self.device, sky)?,
             },
         };
-        let (plan, bricks) = MemoryPlan::new(&self.device, self.budget, stage, volume, &sources, &optics, demands)?;
+        let (plan, bricks) = MemoryPlan::new(&self.device, budget, stage, volume, &sources, &optics, demands)?;
         let travels = matches!(stage.technique, Technique::HalfAngle(_) | Technique::PathTrace(_));
         let moves = tables.displacer.is_some() || tables.variation.is_some();
         let shadowed = stage.shadow_step(volume).is_some() || stage.light_resolution(volume).is_some();
-        if (travels || moves || shadowed) && bricks.len() > 1 {
-            let what = "the volume, which light on its way and noise need whole,".to_owned();
+        if (travels || moves || shadowed || stage.has_layers()) && bricks.len() > 1 {
+            let what = match stage.has_layers() {
+                true => format!("volumes[{number}], as one of several that are whole,"),
+                false => "the volume, which light on its way and noise need whole,".to_owned(),
+            };
             let needed = volume.volume.voxels().as_bytes().len() as u64;
             let advice = "draw it with --backend cpu, or resample it";
             return Err(GpuError::Budget { what, needed, budget: plan.budget, advice });
         }
-        Ok(Prepared { volume, tables, sky, sources, plan, bricks })
+        Ok(Wanted { volume, tables, sources, plan, bricks })
     }
 
     /// Draws the next frame.
@@ -249,23 +276,29 @@ impl GpuRenderer {
         if (self.next.width, self.next.height) != (width, height) {
             memory::afford(width.saturating_mul(height).saturating_mul(Frame::PIXEL_BYTES))?;
         }
-        let Prepared { volume, tables, sky, sources, plan, bricks } = self.prepare(stage)?;
-        let optics = Optics::new(stage, volume, &tables);
-        // The memory of the last volume and its tables is free before that of these is asked for.
-        self.resident.take_if(|resident| !resident.holds(&sources, &plan, &bricks));
-        self.uploads.take_if(|uploads| !uploads.are_of(&tables, &optics));
+        let Prepared { volumes, sky } = self.prepare(stage)?;
+        let tables: Vec<Arc<Tables>> = volumes.iter().map(|prepared| prepared.tables.clone()).collect();
+        let optics = volumes.iter().zip(&tables).map(|(prepared, tables)| Optics::new(stage, prepared.volume, tables));
+        let optics: Vec<Optics> = optics.collect();
+        // The memory of the last volumes and their tables is free before that of these is asked for.
+        self.volumes.resize_with(volumes.len(), OnDevice::default);
+        for ((held, prepared), optics) in self.volumes.iter_mut().zip(&volumes).zip(&optics) {
+            held.forget_others(prepared, optics);
+        }
         self.paths.forget_others(sky.as_ref());
-        let uploads = self.uploads.get_or_insert_with(|| Uploads::new(&self.device, &tables, &optics));
-        let resident = self.resident.get_or_insert_with(|| Resident::new(&self.device, sources, plan.clone(), bricks));
-        resident.plan = plan;
+        let mut drawn = Vec::with_capacity(volumes.len());
+        for ((held, prepared), optics) in self.volumes.iter_mut().zip(volumes).zip(&optics) {
+            drawn.push(held.filled(&self.device, prepared, optics));
+        }
         let frame = &mut self.next;
         frame.clear(stage.viewpoint.width, stage.viewpoint.height);
-        let (device, optics) = (&self.device, (&optics, &*uploads));
+        let device = &self.device;
         let target = (&mut self.targets, self.timer.as_ref());
         let drawing = match &stage.technique {
             Technique::PathTrace(settings) => {
-                let majorants = self.cache.majorants(stage, 0, &tables, settings.majorants)?;
-                let (what, optics) = ((stage, volume, settings), (optics.0, optics.1, &*majorants));
+                let Drawn { volume, resident, optics, uploads } = only(drawn)?;
+                let majorants = self.cache.majorants(stage, 0, &tables[0], settings.majorants)?;
+                let (what, optics) = ((stage, volume, settings), (optics, uploads, &*majorants));
                 let sky = (sky.as_ref(), &mut self.paths);
                 let tracer = PathTracer::new(device, &mut self.pipelines, resident, what, optics, sky, self.drawing);
                 let (mut tracer, drawing) = (tracer?, Instant::now());
@@ -276,25 +309,32 @@ impl GpuRenderer {
                 drawing
             }
             Technique::RayCast(_) => {
-                let what = (stage, volume, &tables);
                 let (kept, pipelines) = (&mut self.light, &mut self.pipelines);
-                let light = LightVolumes::kept(kept, device, pipelines, resident, what, self.drawing, control)?;
-                let how = (self.drawing, light);
-                let caster = RayCaster::new(device, pipelines, resident, (stage, volume), optics, how);
+                let light = match drawn.as_mut_slice() {
+                    [Drawn { volume, resident, .. }] => {
+                        let what = (stage, *volume, &tables[0]);
+                        LightVolumes::kept(kept, device, pipelines, resident, what, self.drawing, control)?
+                    }
+                    // Through several volumes, rays are cast to lights.
+                    _ => None,
+                };
+                let caster = RayCaster::new(device, pipelines, stage, drawn, (self.drawing, light));
                 let (mut caster, drawing) = (caster?, Instant::now());
                 caster.draw(&mut self.rays, target, control, frame)?;
                 drawing
             }
             Technique::HalfAngle(settings) => {
-                let what = (stage, volume, settings);
+                let Drawn { volume, resident, optics, uploads } = only(drawn)?;
+                let (what, optics) = ((stage, volume, settings), (optics, uploads));
                 let slicer = HalfAngleSlicer::new(device, &mut self.pipelines, resident, what, optics, self.drawing);
                 let (mut slicer, drawing) = (slicer?, Instant::now());
                 slicer.draw(&mut self.travelling, target, control, frame)?;
                 drawing
             }
             Technique::Slicing(slicing) => {
+                let Drawn { volume, resident, optics, uploads } = only(drawn)?;
                 let pipelines = (&mut self.pipelines, &mut self.slices.pipelines);
-                let what = (stage, volume, slicing);
+                let (what, optics) = ((stage, volume, slicing), (optics, uploads));
                 let slicer = Slicer::new(device, pipelines, resident, what, optics, self.drawing);
                 let (mut slicer, drawing) = (slicer?, Instant::now());
                 slicer.draw(&mut self.slices, target, control, frame)?;
@@ -332,14 +372,39 @@ fn lacks_of_paths(stage: &Stage) -> Option<String> {
     })
 }
 
+/// What of several volumes in one picture this backend does not have.
+fn lacks_of_layers(stage: &Stage) -> Option<String> {
+    let (count, name) = (stage.volumes.len(), stage.technique.name());
+    match (&stage.technique, stage.mode()) {
+        (Technique::RayCast(_), Mode::Composite) => {
+            let casts = stage.volumes.iter().any(|volume| stage.shadow_step(volume).is_some());
+            // Each volume holds light back by itself.
+            let merges = casts && stage.overlap != Overlap::Add;
+            merges.then(|| "lighting.shadows between volumes whose overlap is not add".to_owned())
+        }
+        (Technique::RayCast(_), _) => Some(format!("{count} volumes in one projection, slice or isosurface")),
+        _ => Some(format!("{count} volumes in one picture by {name}")),
+    }
+}
+
+/// The one volume of a technique that draws one.
+fn only<'a, 'o>(drawn: Vec<Drawn<'a, 'o>>) -> Result<Drawn<'a, 'o>, GpuError> {
+    let found = drawn.len();
+    drawn.into_iter().next().ok_or(GpuError::Volumes { found, most: 1 })
+}
+
 /// What is known of a stage before anything of it is on the device.
 struct Prepared<'s> {
-    volume: &'s StageVolume,
-    tables: Arc<Tables>,
+    /// In the order in which they are merged.
+    volumes: Vec<Wanted<'s>>,
     sky: Option<Sky>,
-    sources: Vec<Source>,
-    plan: MemoryPlan,
-    bricks: Vec<Brick>,
+}
+
+impl Prepared<'_> {
+    /// What all of it needs.
+    fn plan(self) -> Option<MemoryPlan> {
+        self.volumes.into_iter().map(|wanted| wanted.plan).reduce(MemoryPlan::and)
+    }
 }
 
 /// Steps are numbered in `f32`, which counts to 2^24 without a gap.

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use pellucid_field::Grid;
 use pellucid_optics::{Material, Nodes};
 use pellucid_plan::blue_noise_shift;
-use pellucid_scene::{Jitter, Mode, Region, Slice, Stage, StageVolume};
+use pellucid_scene::{Jitter, Mode, Overlap, Region, Slice, Stage, StageVolume};
 
 use crate::four::Four;
 use crate::noise::Noise;
@@ -51,6 +51,8 @@ pub struct Frame {
     pub two_sided: u32,
     pub jitter: [u32; 4],
     pub stack: [u32; 4],
+    pub lists: [u32; 4],
+    pub overlap: [u32; 4],
     pub scattering: [Four; HEADER],
     pub noise: Noise,
 }
@@ -125,6 +127,12 @@ impl Frame {
         }
         let [r, g, b] = stage.chroma(volume).map_or([1.0; 3], |chroma| chroma.ratios);
         frame.chroma = [r, g, b, 0.0];
+        frame.overlap = match stage.overlap {
+            Overlap::Add => [0; 4],
+            Overlap::Maximum => [1, 0, 0, 0],
+            Overlap::Priority => [2, 0, 0, 0],
+            Overlap::Fused { color, opacity } => [3, color as u32, opacity as u32, 0],
+        };
         frame.light_count = stage.lights.len() as u32;
         frame.plane_count = region.half_spaces().len() as u32;
         match stage.mode() {
@@ -139,13 +147,13 @@ impl Frame {
         frame
     }
 
-    /// Rays count from the plane across the view in which the volume begins: from a far eye, single
+    /// Rays count from the plane across the view in which the first of the volumes begins: from a far eye, single
     /// precision would blur where they enter. Their lengths are in steps, as those of the world may be
     /// too long or too short for single precision.
     fn set_rays(&mut self, stage: &Stage, grid: &Grid) {
         let view = &stage.viewpoint;
-        let depths = grid.world_corners().map(|corner| (corner - view.eye).dot(view.forward));
-        let base = depths.into_iter().fold(f64::INFINITY, f64::min).max(0.0);
+        let depths = corners(stage).map(|corner| (corner - view.eye).dot(view.forward));
+        let base = depths.fold(f64::INFINITY, f64::min).max(0.0);
         let index = |v: DVec3| grid.index_from_world().transform_vector3(v);
         let step = stage.step;
         let middle = grid.index_from_world().transform_point3(view.eye + view.forward * base);
@@ -204,12 +212,12 @@ impl Frame {
         (self.values[0], self.values[1]) = (scale as f32, offset as f32);
     }
 
-    /// Where the entries of the table are.
-    pub fn set_nodes(&mut self, nodes: &Nodes) {
+    /// Where the entries of the table are, and behind them, from a place on, the rows that tell so if they are not even.
+    pub fn set_nodes(&mut self, nodes: &Nodes, knots: u64) {
         (self.values[2], self.values[3]) = (nodes.origin(), nodes.scale());
         self.dims[3] = nodes.count() as u32;
         let [low, high] = nodes.ends();
-        self.table = [low, high, nodes.knots().len() as f32, 0.0];
+        self.table = [low, high, nodes.knots().len() as f32, knots as f32];
     }
 
     /// How much data values would rise over the first voxel behind a cut: by the width of the transfer function. Not
@@ -223,6 +231,11 @@ impl Frame {
     pub fn set_blocks(&mut self, [x, y, z]: [usize; 3], size: usize) {
         self.blocks = [x, y, z, size].map(|n| n as u32);
     }
+}
+
+/// The corners of all volumes in the world.
+pub fn corners(stage: &Stage) -> impl Iterator<Item = DVec3> {
+    stage.volumes.iter().flat_map(|volume| volume.volume.grid().world_corners())
 }
 
 /// The half-spaces of a region in voxels: `normal . p >= offset`, the normals of length 1.
@@ -272,7 +285,7 @@ mod tests {
     }
 
     fn linked(variant: Variant) -> Module {
-        Linker::default().link(&variant, Constants::Uniform).unwrap()
+        Linker::default().link(&[variant], Constants::Uniform).unwrap()
     }
 
     macro_rules! fields {
@@ -288,7 +301,7 @@ mod tests {
         let frame = fields!(Frame: origin_middle origin_right origin_up direction_middle direction_right direction_up
             world_middle world_right world_up low high gradient_x gradient_y gradient_z world_x world_y world_z
             picture values material limits plane plane_normal shadows chroma table size dims blocks light_count
-            plane_count level_count two_sided jitter stack scattering noise);
+            plane_count level_count two_sided jitter stack lists overlap scattering noise);
         assert_eq!(layout(&shaded, "Frame"), frame);
         let rays = fields!(RayBounds: rows texture_low most_looks core_low list core_high list_length);
         assert_eq!(layout(&shaded, "Bounds"), rays);

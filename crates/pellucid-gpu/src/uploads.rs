@@ -63,11 +63,11 @@ impl Uploads {
     }
 }
 
-/// A buffer that shaders read; never smaller than an element, as bindings cannot be.
+/// A buffer that shaders read, and that can be joined to others; never smaller than an element, as bindings cannot be.
 pub fn storage<T: Pod>(device: &Device, label: &str, content: &[T]) -> Buffer {
     let nothing = [0u8; 128];
     let contents = if content.is_empty() { &nothing } else { cast_slice(content) };
-    device.buffer(label, contents, BufferUsages::STORAGE)
+    device.buffer(label, contents, BufferUsages::STORAGE | BufferUsages::COPY_SRC)
 }
 
 /// The blocks as a texture; a single one where none is asked.

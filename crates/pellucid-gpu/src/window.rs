@@ -1,9 +1,9 @@
-//! The part of the picture that a volume can be in.
+//! The part of the picture that volumes can be in.
 
 use glam::DVec3;
 use pellucid_scene::Viewpoint;
 
-/// A rectangle of pixels; nothing of the volume is outside of it.
+/// A rectangle of pixels; nothing of the volumes is outside of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
     /// First column and row.
@@ -13,15 +13,15 @@ pub struct Window {
 }
 
 impl Window {
-    /// What is seen of a box with these corners, and a pixel around it for roundings; all of the picture
-    /// if the box reaches behind the eye.
-    pub fn of(view: &Viewpoint, corners: &[DVec3; 8]) -> Self {
+    /// What is seen of boxes with these corners, and a pixel around it for roundings; all of the picture
+    /// if they reach behind the eye.
+    pub fn of(view: &Viewpoint, corners: impl IntoIterator<Item = DVec3>) -> Self {
         let size = [view.width as f64, view.height as f64];
         let pixel = 2.0 * view.half_height / size[1];
         let middle = [size[0] / 2.0 - view.shift.x, size[1] / 2.0 - view.shift.y];
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for corner in corners {
-            let from_eye = *corner - view.eye;
+            let from_eye = corner - view.eye;
             let depth = from_eye.dot(view.forward);
             let unit = if view.perspective { pixel * depth } else { pixel };
             let at = [from_eye.dot(view.right) / unit + middle[0], middle[1] - from_eye.dot(view.up) / unit];
@@ -70,7 +70,7 @@ mod tests {
         ] {
             let view = View::LookAt(LookAt { position, target, up: [0.0, 0.0, 1.0] });
             let view = Camera { projection, view, ..Camera::default() }.viewpoint(61, 47, &corners);
-            let window = Window::of(&view, &corners);
+            let window = Window::of(&view, corners);
             assert_eq!(window.size != [61, 47], is_part, "{window:?}");
             for (column, row) in (0..47).flat_map(|row| (0..61).map(move |column| (column, row))) {
                 let at: [u32; 2] = [column, row];

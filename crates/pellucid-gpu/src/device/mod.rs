@@ -88,11 +88,11 @@ impl Device {
         if self.adapter.is_software() { Constants::Stored } else { Constants::Uniform }
     }
 
-    /// The shader of a variant.
+    /// The shader of a variant, or of those of several volumes.
     ///
     /// # Errors
     /// As [`Linker::link`].
-    pub(crate) fn link(&self, variant: &Variant) -> Result<Module, GpuError> {
+    pub(crate) fn link(&self, layers: &[Variant]) -> Result<Module, GpuError> {
         let mut linker = self.linker.lock().unwrap_or_else(|left| {
             // What a panic left half made is not known: it is made again.
             self.linker.clear_poison();
@@ -100,7 +100,7 @@ impl Device {
             *linker = Linker::default();
             linker
         });
-        linker.link(variant, self.constants())
+        linker.link(layers, self.constants())
     }
 
     /// A buffer of constants.

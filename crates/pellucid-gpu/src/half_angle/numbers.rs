@@ -50,7 +50,7 @@ impl Sweep {
         let grid = volume.volume.grid();
         let mut sweep = Self::default();
         sweep.set_rays(geometry, grid);
-        let Geometry { frame, slabs, ways, longest } = geometry;
+        let Geometry { frame, slabs, ways, longest, .. } = geometry;
         let across = grid.world_from_index().matrix3.transpose() * slabs.axis / slabs.thickness;
         sweep.slabs = four(across, slabs.coordinate(grid.world_from_index().translation));
         [sweep.texel_x, sweep.texel_y, sweep.depth] = frame.rows;

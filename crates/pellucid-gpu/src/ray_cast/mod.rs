@@ -1,12 +1,13 @@
 //! The ray caster: passes over bands of the picture (7.2).
 
 mod bands;
+mod lists;
 mod wavefront;
 
 use std::time::Instant;
 
-use pellucid_scene::{Control, Frame as Picture, Stage, StageVolume};
-use wgpu::{BindGroup, CommandEncoder, CommandEncoderDescriptor, TextureView};
+use pellucid_scene::{Control, Frame as Picture, Stage};
+use wgpu::{BindGroup, CommandEncoder, CommandEncoderDescriptor};
 
 use crate::bindings::Bindings;
 use crate::bounds::{BoundsBuffer, RayBounds, Rows};
@@ -14,7 +15,7 @@ use crate::bricks::{self, Brick};
 use crate::dispatch::dispatch;
 use crate::drawing::{Drawing, Passes};
 use crate::light_volume::LightVolumes;
-use crate::optics::Optics;
+use crate::on_device::Drawn;
 use crate::pace::Pace;
 use crate::pipelines::{Pipeline, Pipelines};
 use crate::resident::Resident;
@@ -22,11 +23,11 @@ use crate::shaders::{Pass, Variant};
 use crate::targets::Targets;
 use crate::timer::Timer;
 use crate::uniforms;
-use crate::uploads::Uploads;
 use crate::window::Window;
 use crate::{Device, GpuError};
 
 use bands::Bands;
+use lists::Lists;
 use wavefront::Front;
 
 /// Most passes of a submission.
@@ -47,12 +48,20 @@ pub struct KeptRays {
     looks: Pace,
 }
 
+/// A volume on the device, and what shaders are given of it.
+struct OnRays<'a> {
+    resident: &'a mut Resident,
+    bindings: Bindings<'a>,
+}
+
 /// Everything on the device that one frame is drawn with.
 pub struct RayCaster<'a> {
     device: &'a Device,
-    resident: &'a mut Resident,
     stage: &'a Stage,
-    bindings: Bindings<'a>,
+    /// One volume, whole or in bricks, or several whole ones in the order in which they are merged.
+    volumes: Vec<OnRays<'a>>,
+    /// Their lists, if they are several.
+    lists: Option<Lists>,
     bricks: Vec<Brick>,
     march: Pipeline,
     resolve: Pipeline,
@@ -63,35 +72,68 @@ impl<'a> RayCaster<'a> {
     /// Makes pipelines and what changes with the camera.
     ///
     /// # Errors
-    /// What the device reports.
+    /// What the device reports; [`GpuError::Volumes`] if a pass cannot be given as many volumes.
     pub fn new(
         device: &'a Device,
         pipelines: &mut Pipelines,
-        resident: &'a mut Resident,
-        (stage, volume): (&'a Stage, &StageVolume),
-        (optics, uploads): (&Optics, &'a Uploads),
+        stage: &'a Stage,
+        drawn: Vec<Drawn<'a, '_>>,
         (drawing, light): (Drawing, Option<&LightVolumes>),
     ) -> Result<Self, GpuError> {
-        let alter = |frame: &mut uniforms::Frame| frame.set_light_points(light.map_or(0, |light| light.depth));
-        let mut bindings =
-            Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter)
-                .with_light(light.map(|light| light.points.clone()));
-        bindings.variant = Variant {
-            skip: optics.blocks.is_some(),
-            // The many rounds of wide kernels are for several passes.
-            wavefront: drawing.passes == Passes::Wavefront || bindings.variant.kernels,
-            strides: optics.blocks.is_some_and(|blocks| blocks.levels.is_some()),
-            ..bindings.variant
+        let mut volumes = Vec::with_capacity(drawn.len());
+        let mut bricks = Vec::new();
+        for Drawn { volume, resident, optics, uploads } in drawn {
+            let [entries, planes, lights] =
+                Lists::places(volumes.iter().map(|volume: &OnRays| volume.bindings.lists()));
+            let alter = |frame: &mut uniforms::Frame| {
+                frame.set_light_points(light.map_or(0, |light| light.depth));
+                frame.lists = [entries, planes, lights, 0];
+            };
+            let mut bindings =
+                Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter)
+                    .with_light(light.map(|light| light.points.clone()));
+            bindings.variant = Variant {
+                skip: optics.blocks.is_some(),
+                // The many rounds of wide kernels are for several passes.
+                wavefront: drawing.passes == Passes::Wavefront || bindings.variant.kernels,
+                strides: optics.blocks.is_some_and(|blocks| blocks.levels.is_some()),
+                ..bindings.variant
+            };
+            if volumes.is_empty() {
+                bricks = resident.bricks.clone();
+                bricks::sort(&mut bricks, stage, volume.volume.grid());
+            }
+            volumes.push(OnRays { resident, bindings });
         }
-        .canonical();
-        let resolve = pipelines
-            .get(device, Variant { chromatic: stage.holds_back_each_color(), ..Variant::of(Pass::Resolve) })?;
-        let resolve = resolve.clone();
-        let march = pipelines.get(device, bindings.variant)?.clone();
-        let table = bindings.table_group(&march.groups);
-        let mut bricks = resident.bricks.clone();
-        bricks::sort(&mut bricks, stage, volume.volume.grid());
-        Ok(Self { device, resident, stage, bindings, bricks, march, resolve, table })
+        // All volumes of a pass take turns alike.
+        let wavefront = volumes.iter().any(|volume| volume.bindings.variant.wavefront);
+        let variant = |volume: &OnRays| Variant { wavefront, ..volume.bindings.variant };
+        let march = pipelines.of_layers(device, volumes.iter().map(variant).collect())?.clone();
+        let (chromatic, layered) = (stage.holds_back_each_color(), stage.has_layers());
+        let resolve = pipelines.get(device, Variant { chromatic, layered, ..Variant::of(Pass::Resolve) })?.clone();
+        let each: Vec<_> = volumes.iter().map(|volume| volume.bindings.lists()).collect();
+        let lists = stage.has_layers().then(|| Lists::joined(device, &each));
+        let table = match &lists {
+            Some(lists) => march.groups.tables().bind(device, &lists.named().collect::<Vec<_>>()),
+            None => volumes[0].bindings.table_group(&march.groups),
+        };
+        Ok(Self { device, stage, volumes, lists, bricks, march, resolve, table })
+    }
+
+    /// The first of the volumes: what all have in common is told of it.
+    fn first(&self) -> &OnRays<'a> {
+        &self.volumes[0]
+    }
+
+    /// The textures of a brick or, of several volumes, of all of them: bound.
+    fn volume_group(&mut self, brick: &Brick, control: &Control) -> Result<BindGroup, GpuError> {
+        let mut views = Vec::with_capacity(self.volumes.len());
+        for (number, OnRays { resident, .. }) in self.volumes.iter_mut().enumerate() {
+            let brick = if number == 0 { *brick } else { resident.bricks[0] };
+            views.push(resident.textures(self.device, &brick, control)?);
+        }
+        let of = self.volumes.iter().zip(&views).map(|(volume, views)| volume.bindings.of_volume(views));
+        Ok(self.march.groups.volume().bind_layers(self.device, &of.collect::<Vec<_>>()))
     }
 
     /// Draws all bands that the volume can be in into an empty picture of the stage's size.
@@ -105,16 +147,17 @@ impl<'a> RayCaster<'a> {
         control: &Control,
         picture: &mut Picture,
     ) -> Result<(), GpuError> {
-        let Window { low: [column, first], size: [width, height] } = self.bindings.window;
+        let Window { low: [column, first], size: [width, height] } = self.first().bindings.window;
         let rays = u64::from(width) * u64::from(self.stage.quality.supersampling.pow(2));
         let wavefront = self.march.variant.wavefront;
         let mut busy = timer.map(|_| 0.0);
         let (mut row, end) = (first, if width == 0 { first } else { first + height });
         while row < end {
-            let most = self.resident.plan.rows.min(end - row);
+            let rows = self.volumes.iter().map(|volume| volume.resident.plan.rows).min();
+            let most = rows.unwrap_or(1).min(end - row);
             // The passes of bricks are many anyway: as many rows of each as there can be; a wavefront is as
             // wide as there is room.
-            let learnt = self.resident.is_whole() && !wavefront;
+            let learnt = self.first().resident.is_whole() && !wavefront;
             let wanted = if learnt { (kept.bands.rays() / rays) as u32 } else { most };
             let rows = wanted.max(8).next_multiple_of(8).min(most);
             let targets = {
@@ -150,7 +193,7 @@ impl<'a> RayCaster<'a> {
         let (pixels, bricks) = (u64::from(targets.width) * u64::from(band.rows), self.bricks.len());
         let turns = bricks * self.stage.quality.supersampling.pow(2) as usize;
         let size = [targets.width, band.rows, 1];
-        let complete = self.resident.is_complete();
+        let complete = self.first().resident.is_complete();
         let mut busy = Some(0.0);
         let mut turn = 0;
         while turn < turns {
@@ -164,10 +207,10 @@ impl<'a> RayCaster<'a> {
             let passes = BoundsBuffer::new(self.device, (first..turn).map(|turn| self.pass(turn, band)));
             let march = self.frame_group(&self.march, targets, &passes, None);
             let resolve = self.frame_group(&self.resolve, targets, &passes, None);
-            let mut views = Vec::with_capacity(turn - first);
+            let mut volumes = Vec::with_capacity(turn - first);
             for turn in first..turn {
                 let brick = self.bricks[turn % bricks];
-                views.push(self.resident.textures(self.device, &brick, control)?);
+                volumes.push(self.volume_group(&brick, control)?);
             }
             if complete {
                 // Uploads are not what is measured.
@@ -179,10 +222,9 @@ impl<'a> RayCaster<'a> {
             let writes = |first, last| timer.and_then(|timer| timer.writes(pair, first, last));
             let started = Instant::now();
             let mut encoder = self.encoder();
-            for (number, view) in views.iter().enumerate() {
-                let volume = self.volume_group(view);
-                let (offset, begins) = (passes.offset(number), writes(number == 0, number + 1 == views.len()));
-                let groups = [Some(&march), Some(&volume), Some(&self.table)];
+            for (number, volume) in volumes.iter().enumerate() {
+                let (offset, begins) = (passes.offset(number), writes(number == 0, number + 1 == volumes.len()));
+                let groups = [Some(&march), Some(volume), Some(&self.table)];
                 dispatch(&mut encoder, &self.march.pipeline, groups, offset, size, begins);
                 if (first + number + 1) % bricks == 0 {
                     dispatch(&mut encoder, &self.resolve.pipeline, [Some(&resolve), None, None], offset, size, None);
@@ -200,7 +242,7 @@ impl<'a> RayCaster<'a> {
                 bands.learn(pixels * (turn - first) as u64, started.elapsed());
             } else {
                 // Meanwhile the next brick may come.
-                self.resident.used(submission);
+                self.volumes[0].resident.used(submission);
                 self.device.check()?;
             }
             if reads {
@@ -218,7 +260,7 @@ impl<'a> RayCaster<'a> {
         let corner = |voxel: [usize; 3]| voxel.map(|v| v as u32);
         RayBounds {
             rows: Rows { begin: u32::from(number == 0), ..Rows::of([row, rows, sub as u32]) },
-            most_looks: self.bindings.most_looks,
+            most_looks: self.most_looks(),
             texture_low: corner(brick.voxels.low),
             core_low: corner(brick.core.low),
             core_high: corner(brick.core.high),
@@ -241,8 +283,7 @@ impl<'a> RayCaster<'a> {
         let rays = self.stage.quality.supersampling.pow(2);
         let capacity = targets.width * rows;
         let front = Front::new(self.device, capacity);
-        let view = self.resident.textures(self.device, &self.bricks[0], control)?;
-        let volume = self.volume_group(&view);
+        let volume = self.volume_group(&self.bricks[0].clone(), control)?;
         let mut busy = Some(0.0);
         for sub in 0..rays {
             // Rays that go on, once there has been a pass.
@@ -254,7 +295,7 @@ impl<'a> RayCaster<'a> {
                 }
                 let pass = RayBounds {
                     rows: Rows { begin: u32::from(left.is_none()), ..Rows::of([row, rows, sub]) },
-                    most_looks: pace.amount(self.bindings.most_looks),
+                    most_looks: pace.amount(self.most_looks()),
                     list,
                     list_length: capacity,
                     ..RayBounds::default()
@@ -308,11 +349,15 @@ impl<'a> RayCaster<'a> {
             Pass::Resolve => own.push(("pixels", targets.pixels.as_entire_binding())),
             _ => own.extend(front.map(|front| ("front", front.lists().as_entire_binding()))),
         }
-        self.bindings.frame_group(&pipeline.groups, passes, &own)
+        let mut layers: Vec<_> = self.volumes.iter().map(|volume| volume.bindings.of_frame(passes)).collect();
+        // What is found first is bound.
+        layers[0].splice(0..0, self.lists.iter().flat_map(Lists::named).chain(own));
+        pipeline.groups.frame().bind_layers(self.device, &layers)
     }
 
-    fn volume_group(&self, views: &[TextureView; 2]) -> BindGroup {
-        self.bindings.volume_group(&self.march.groups, views)
+    /// Most looks at the blocks in a pass.
+    fn most_looks(&self) -> u32 {
+        self.volumes.iter().map(|volume| volume.bindings.most_looks).min().unwrap_or(u32::MAX)
     }
 }
 

@@ -4,30 +4,18 @@
 #import pellucid::ray::{Ray, Sample}
 #import pellucid::march::State
 #import pellucid::surface::add_sample
-#import pellucid::table::{classify_stride, coverage, each_opacity, over_length}
+#import pellucid::table::{coverage, each_opacity, over_length}
 #import pellucid::vary::varied
-#ifdef PRECLASSIFIED
-#import pellucid::preclassify::classify_voxels
-#endif
-#import pellucid::field::field_value
+#import pellucid::classified::classified_at
 
 fn visit(state: ptr<function, State>, ray: Ray, sample: Sample, p: vec3<f32>) -> bool {
-#ifdef PRECLASSIFIED
-    let classified = classify_voxels(p);
-    var value = 0.0;
-#ifdef SCATTERED
-    value = field_value(p);
-#endif
-#else
-    let value = field_value(p);
-    let classified = classify_stride(value, sample.level);
-#endif
-    let rgba = over_length(varied(p, classified), sample.ratio);
+    let sampled = classified_at(p, sample.level);
+    let rgba = over_length(varied(p, sampled.rgba), sample.ratio);
     if rgba.a <= 0.0 {
         return false;
     }
     (*state).counts.y += 1u;
-    return add_sample(state, ray, sample.distance, value, rgba);
+    return add_sample(state, ray, sample.distance, sampled.value, rgba);
 }
 
 fn finish(state: ptr<function, State>) {

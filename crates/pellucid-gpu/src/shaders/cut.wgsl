@@ -2,7 +2,8 @@
 #define_import_path pellucid::cut
 
 #import pellucid::frame::frame
-#import pellucid::ray::{Ray, planes}
+#import pellucid::lists::planes
+#import pellucid::ray::Ray
 #import pellucid::field::world_gradient
 
 // Voxels beyond which a face is not felt, and how far rounding may take an entry off it.
@@ -27,10 +28,11 @@ fn cut_gradient(ray: Ray, p: vec3<f32>, gradient: vec3<f32>) -> vec3<f32> {
         }
     }
     for (var i = 0u; i < frame.plane_count; i += 1u) {
-        let off = abs(dot(planes[i].xyz, ray.origin) - planes[i].w);
-        if off < least && dot(planes[i].xyz, ray.direction) > 0.0 {
-            normal = planes[i].xyz;
-            offset = planes[i].w;
+        let plane = planes[frame.lists.y + i];
+        let off = abs(dot(plane.xyz, ray.origin) - plane.w);
+        if off < least && dot(plane.xyz, ray.direction) > 0.0 {
+            normal = plane.xyz;
+            offset = plane.w;
             least = off;
         }
     }

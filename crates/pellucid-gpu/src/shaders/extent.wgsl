@@ -2,7 +2,8 @@
 #define_import_path pellucid::extent
 
 #import pellucid::frame::{frame, world_of}
-#import pellucid::light::{Extent, Incident, incident, lights, normalized}
+#import pellucid::light::{Incident, incident, normalized}
+#import pellucid::lists::{Extent, lights}
 #import pellucid::paths::FAR_AWAY
 #import pellucid::random::random
 #import pellucid::scatter::PI

@@ -2,7 +2,7 @@
 #define_import_path pellucid::field
 
 #import pellucid::frame::{frame, bounds}
-#import pellucid::ray::planes
+#import pellucid::lists::planes
 #ifdef PERTURBED
 #import pellucid::noise::{amplitude_at, displaced, displaces}
 #endif
@@ -237,8 +237,9 @@ const ROOM: f32 = 1e-4;
 fn is_defined(low: vec3<f32>, high: vec3<f32>) -> bool {
     var inside = all(low >= frame.low.xyz - ROOM) && all(high <= frame.high.xyz + ROOM);
     for (var i = 0u; i < frame.plane_count; i += 1u) {
-        let deepest = select(high, low, planes[i].xyz > vec3<f32>(0.0));
-        inside = inside && dot(planes[i].xyz, deepest) >= planes[i].w - ROOM;
+        let plane = planes[frame.lists.y + i];
+        let deepest = select(high, low, plane.xyz > vec3<f32>(0.0));
+        inside = inside && dot(plane.xyz, deepest) >= plane.w - ROOM;
     }
     return inside;
 }

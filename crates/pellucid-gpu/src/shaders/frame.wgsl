@@ -87,8 +87,8 @@ struct Frame {
     shadows: vec4<f32>,
     // Extinctions of each colour over that of the one that is lost least, whose opacities all opacities are.
     chroma: vec4<f32>,
-    // Data values of the table's first and last node; how many rows at the end of its entries tell where the others
-    // are, 0 if they are even.
+    // Data values of the table's first and last node; how many rows behind its entries tell where the others are, 0 if
+    // they are even, and the place of the first.
     table: vec4<f32>,
     // Columns that are drawn, the first of them, rays per pixel and axis, 1 for a perspective.
     size: vec4<u32>,
@@ -106,6 +106,10 @@ struct Frame {
     jitter: vec4<u32>,
     // The axis across which a stack of 2D textures lies.
     stack: vec4<u32>,
+    // Where this volume begins its entries, planes and lights, in lists that all volumes of a pass share.
+    lists: vec4<u32>,
+    // What lies where volumes overlap: which rule, and two volumes by their place among the layers.
+    overlap: vec4<u32>,
     scattering: Scattering,
     noise: Noise,
 }
@@ -183,6 +187,13 @@ fn load_frame() {
     frame = stored_frame;
     bounds = stored_bounds;
 #endif
+}
+
+// A position of the world in voxels: gradients turn into those of the world by the transpose of what turns the world
+// into voxels.
+fn index_of(world: vec3<f32>) -> vec3<f32> {
+    let away = world - vec3<f32>(frame.world_x.w, frame.world_y.w, frame.world_z.w);
+    return frame.gradient_x.xyz * away.x + frame.gradient_y.xyz * away.y + frame.gradient_z.xyz * away.z;
 }
 
 // A position in voxels in the world.

@@ -3,39 +3,19 @@
 #define_import_path pellucid::light
 
 #import pellucid::frame::{frame, world_of}
+#import pellucid::lists::{Light, lights}
 #import pellucid::table::each_color
 #ifdef SHADOWED
+#ifdef LAYERED
+#import pellucid::across::left_across
+#else
 #import pellucid::light_volume::left_in_volume
 #import pellucid::shadow::left_of_light
+#endif
 #endif
 #ifdef SCATTERED
 #import pellucid::scatter::{Scatterer, scatterer_of, phase_weight, gradient_share}
 #endif
-
-// What shines around the middle of a light.
-struct Extent {
-    // What it is; 1 if paths that were scattered find it as well; 1 if a face shines to both sides.
-    kind: vec4<u32>,
-    // The edges of a face.
-    first: vec4<f32>,
-    second: vec4<f32>,
-    // Out of the side of a face that shines, and its area; else the squared sine of a disc's angle, or a ball's radius.
-    normal: vec4<f32>,
-}
-
-struct Light {
-    // Unit vector to it, or its position; `w` is 1 for a position.
-    place: vec4<f32>,
-    // Linear RGB; 1 if it makes highlights.
-    radiance: vec4<f32>,
-    // Where a cone points; 1 if there is one.
-    axis: vec4<f32>,
-    // Cosines of the cone's inner and outer angle; distance at which the radiance holds, 0 if anywhere.
-    cone: vec4<f32>,
-    extent: Extent,
-}
-
-@group(0) @binding(4) var<storage, read> lights: array<Light>;
 
 struct Normal {
     // Unit, out of the surface towards lower values; zero where there is no gradient.
@@ -173,15 +153,20 @@ fn in_light(sample: Lit, rgba: vec4<f32>) -> vec4<f32> {
 fn lit(rgba: vec4<f32>, value: f32, p: vec3<f32>, gradient: vec3<f32>, to_eye: vec3<f32>) -> vec4<f32> {
     var sample = in_the_dark(value, gradient, to_eye);
     for (var i = 0u; i < frame.light_count; i += 1u) {
+        let light = lights[frame.lists.z + i];
         var left = 1.0;
 #ifdef SHADOWED
+#ifdef LAYERED
+        left = left_across(light.place, world_of(p));
+#else
         if frame.shadows.w == 0.0 {
-            left = left_of_light(lights[i].place, p);
+            left = left_of_light(light.place, p);
         } else {
             left = left_in_volume(i, p);
         }
 #endif
-        add_light(&sample, lights[i], p, each_color(left));
+#endif
+        add_light(&sample, light, p, each_color(left));
     }
     return in_light(sample, rgba);
 }

@@ -46,6 +46,7 @@ struct Front {
 struct Turn {
     ray: Ray,
     state: State,
+    pixel: vec2<u32>,
     slot: u32,
     // Whether there is anything to do.
     open: bool,
@@ -53,6 +54,18 @@ struct Turn {
 
 // The ray of an invocation.
 fn turn_of(id: vec2<u32>) -> Turn {
+    var turn = begin_turn(id);
+    if turn.open {
+        turn.ray = ray_of(turn.pixel, bounds.rows.ray);
+        if turn.ray.count > 0.0 {
+            turn.state.counts.w |= HIT;
+        }
+    }
+    return turn;
+}
+
+// Whose turn it is, and what was found so far.
+fn begin_turn(id: vec2<u32>) -> Turn {
     var turn: Turn;
     turn.open = false;
     let is_first = bounds.rows.begin != 0u;
@@ -81,11 +94,8 @@ fn turn_of(id: vec2<u32>) -> Turn {
             return turn;
         }
     }
-    turn.ray = ray_of(pixel + vec2<u32>(frame.size.y, bounds.rows.first), bounds.rows.ray);
+    turn.pixel = pixel + vec2<u32>(frame.size.y, bounds.rows.first);
     turn.open = true;
-    if turn.ray.count > 0.0 {
-        turn.state.counts.w |= HIT;
-    }
     return turn;
 }
 

@@ -7,10 +7,12 @@ use std::collections::HashMap;
 
 use naga_oil::compose::ShaderDefValue;
 
+mod instances;
 mod linker;
 mod pass;
 mod resource;
 
+use instances::flag_of;
 pub use linker::Linker;
 pub use pass::{Pass, Traversal};
 pub use resource::{Resource, resources};
@@ -74,6 +76,8 @@ pub struct Variant {
     pub chromatic: bool,
     /// The nodes of tables are not even.
     pub knots: bool,
+    /// Its volume is one of several.
+    pub layered: bool,
 }
 
 impl Variant {
@@ -104,6 +108,7 @@ impl Variant {
             perturbed: off,
             chromatic: off,
             knots: off,
+            layered: off,
         }
     }
 
@@ -138,6 +143,7 @@ impl Variant {
                     chromatic: on(19),
                     // Changes one function: a part of the shaders says enough.
                     knots: on(0) && on(4),
+                    layered: false,
                 };
                 if variant == variant.canonical() {
                     all.push(variant);
@@ -199,6 +205,11 @@ impl Variant {
         };
         // Slices of values are classified where they have become pixels.
         self.knots &= self.pass.reads() && if projects { !slices } else { !pixels };
+        if self.layered {
+            // One walk goes through all of them, whole and in steps of one length.
+            (self.bricks, self.strides, self.chromatic) = (false, false, false);
+        }
+        self.layered &= matches!(self.pass, Composite | CompositePre | PreIntegrated | Resolve);
         self.shadowed &= self.lights() && self.pass.samples() && !slices && !self.bricks;
         self
     }
@@ -208,8 +219,13 @@ impl Variant {
         self.shaded || self.scattered
     }
 
+    /// Whether it is one of the layers of a walk.
+    fn is_among_others(&self) -> bool {
+        self.layered && self.pass != Pass::Resolve
+    }
+
     /// The names that are defined for the preprocessor.
-    fn defines(&self) -> HashMap<String, ShaderDefValue> {
+    fn names(&self) -> Vec<&'static str> {
         let names = [
             ("HARDWARE", self.hardware),
             ("HOLES", self.holes),
@@ -232,6 +248,7 @@ impl Variant {
             ("PERTURBED", self.perturbed),
             ("CHROMATIC", self.chromatic),
             ("KNOTS", self.knots),
+            ("LAYERED", self.layered),
             ("OF_LIGHT", matches!(self.pass, Pass::HalfAngleLight | Pass::HalfAnglePresence)),
             ("OF_POINTS", self.pass == Pass::LightPoints),
             ("OF_SLABS", matches!(self.pass, Pass::HalfAngleEye | Pass::HalfAngleSurface)),
@@ -249,7 +266,15 @@ impl Variant {
             ("TRANSMITTANCE", self.pass == Pass::XRay),
             ("CLASSIFIED_LAST", matches!(self.pass, Pass::Maximum | Pass::Minimum | Pass::Average)),
         ];
-        let defined = |(name, on): (&str, bool)| on.then(|| (name.to_owned(), ShaderDefValue::Bool(true)));
-        names.into_iter().filter_map(defined).collect()
+        names.into_iter().filter(|(_, on)| *on).map(|(name, _)| name).collect()
     }
+}
+
+/// The names that are defined for the preprocessor: each layer has its own.
+fn defines(layers: &[Variant]) -> HashMap<String, ShaderDefValue> {
+    let each = layers.iter().enumerate().flat_map(|(layer, variant)| {
+        let own = move |name: &str| if variant.is_among_others() { flag_of(name, layer) } else { name.to_owned() };
+        variant.names().into_iter().map(own)
+    });
+    each.map(|name| (name, ShaderDefValue::Bool(true))).collect()
 }

@@ -13,8 +13,9 @@ macro_rules! wgsl {
 }
 
 /// What passes import; each only from those above it.
-pub(super) const SHARED: [Wgsl; 30] = [
+pub(super) const SHARED: [Wgsl; 34] = [
     wgsl!("frame"),
+    wgsl!("lists"),
     wgsl!("ray"),
     wgsl!("kernel"),
     wgsl!("noise"),
@@ -33,6 +34,9 @@ pub(super) const SHARED: [Wgsl; 30] = [
     wgsl!("surface"),
     wgsl!("projected"),
     wgsl!("preclassify"),
+    wgsl!("classified"),
+    wgsl!("integrals"),
+    wgsl!("way"),
     wgsl!("slices"),
     wgsl!("polygon"),
     wgsl!("pixel"),
@@ -45,6 +49,11 @@ pub(super) const SHARED: [Wgsl; 30] = [
     wgsl!("extent"),
     wgsl!("sky"),
 ];
+
+/// What several volumes in one pass have besides: what each of them is asked, and what all of them are together.
+pub(super) const LAYER: Wgsl = wgsl!("layer");
+pub(super) const MERGE: Wgsl = wgsl!("merge");
+pub(super) const LAYERS: Wgsl = wgsl!("layers");
 
 /// What a pass makes of the volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

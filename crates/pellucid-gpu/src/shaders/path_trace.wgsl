@@ -2,7 +2,8 @@
 // rows of the picture, the number of the path; 1 if it is the first.
 #import pellucid::frame::{frame, bounds}
 #import pellucid::extent::{light_seen, sample_light}
-#import pellucid::light::{lights, normal_of}
+#import pellucid::light::normal_of
+#import pellucid::lists::lights
 #import pellucid::march::{new_state, states, DONE, HIT}
 #import pellucid::paths::{collide, leave_along, paths, to_voxels, transmittance, Flight, FAR_AWAY}
 #import pellucid::random::{begin_stream, random}

@@ -3,8 +3,8 @@
 #define_import_path pellucid::ray
 
 #import pellucid::frame::frame
+#import pellucid::lists::planes
 
-@group(0) @binding(2) var<storage, read> planes: array<vec4<f32>>;
 @group(0) @binding(3) var blue_noise: texture_2d<f32>;
 
 const FAR: f32 = 1e30;
@@ -83,7 +83,7 @@ fn span_of(origin: vec3<f32>, direction: vec3<f32>, from_t: f32, to_t: f32) -> v
     var t0 = max(max(from_t, near.x), max(near.y, near.z));
     var t1 = min(min(to_t, far.x), min(far.y, far.z));
     for (var i = 0u; i < frame.plane_count; i += 1u) {
-        let plane = planes[i];
+        let plane = planes[frame.lists.y + i];
         let slope = dot(plane.xyz, direction);
         let crossing = (plane.w - dot(plane.xyz, origin)) / nonzero(slope);
         if slope >= 0.0 {
@@ -106,7 +106,7 @@ fn exit_of(origin: vec3<f32>, direction: vec3<f32>) -> f32 {
     let extent = frame.high.xyz - frame.low.xyz;
     let flattest = ROUNDING * max(extent.x, max(extent.y, extent.z)) / ways.w;
     for (var i = 0u; i < frame.plane_count; i += 1u) {
-        let plane = planes[i];
+        let plane = planes[frame.lists.y + i];
         let slope = dot(plane.xyz, direction);
         if slope < -flattest {
             length = min(length, max((dot(plane.xyz, origin) - plane.w) / -slope, 0.0));
@@ -139,12 +139,16 @@ fn beam_of(at: vec2<f32>) -> Beam {
     return Beam(origin, direction, world, frame.origin_middle.w / unit);
 }
 
-// The ray with number `sub` of a pixel.
-fn ray_of(pixel: vec2<u32>, sub: u32) -> Ray {
+// Where the ray with number `sub` of a pixel goes through the picture, in pixels.
+fn place_of(pixel: vec2<u32>, sub: u32) -> vec2<f32> {
     let n = frame.size.z;
     let inside = (vec2<f32>(vec2<u32>(sub % n, sub / n)) + 0.5) / f32(n);
-    let at = vec2<f32>(pixel) + inside;
-    let beam = beam_of(at);
+    return vec2<f32>(pixel) + inside;
+}
+
+// The ray with number `sub` of a pixel.
+fn ray_of(pixel: vec2<u32>, sub: u32) -> Ray {
+    let beam = beam_of(place_of(pixel, sub));
     let origin = beam.origin;
     let direction = beam.direction;
     let to_base = beam.to_base;
@@ -164,13 +168,18 @@ fn ray_of(pixel: vec2<u32>, sub: u32) -> Ray {
     let count = max(ceil(whole - 1e-6 * max(whole, 1.0)), 1.0);
     ray.count = select(0.0, count, t0 < t1);
     ray.last_ratio = min(whole - (count - 1.0), 1.0);
-    ray.jitter = 0.5;
-    if frame.jitter.z != 0u {
-        let cell = (pixel + frame.jitter.xy) % 64u;
-        // The rays of one pixel differ by the golden ratio, which spreads any number evenly.
-        ray.jitter = fract(textureLoad(blue_noise, cell, 0).x + f32(sub) * 0.618034);
-    }
+    ray.jitter = jitter_of(pixel, sub);
     return ray;
+}
+
+// Where in its step the ray with number `sub` of a pixel has its samples.
+fn jitter_of(pixel: vec2<u32>, sub: u32) -> f32 {
+    if frame.jitter.z == 0u {
+        return 0.5;
+    }
+    let cell = (pixel + frame.jitter.xy) % 64u;
+    // The rays of one pixel differ by the golden ratio, which spreads any number evenly.
+    return fract(textureLoad(blue_noise, cell, 0).x + f32(sub) * 0.618034);
 }
 
 // The position at a distance, in voxels.

@@ -3,7 +3,7 @@
 #import pellucid::frame::{frame, bounds}
 #import pellucid::march::{HIT, NOWHERE, TERMINATED, states}
 #import pellucid::pixel::{Pixel, pixels}
-#import pellucid::ray::ray_of
+#import pellucid::ray::{beam_of, place_of, ray_of}
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -26,8 +26,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     pixel.held_back += vec4<f32>(state.place.yzw, 0.0) / f32(n * n);
 #endif
     if state.surface.w < NOWHERE {
-        let ray = ray_of(id.xy + vec2<u32>(frame.size.y, bounds.rows.first), sub);
-        let depth = (ray.entry + state.surface.w) * frame.picture.w;
+        let at = id.xy + vec2<u32>(frame.size.y, bounds.rows.first);
+#ifdef LAYERED
+        let entry = beam_of(place_of(at, sub)).to_base;
+#else
+        let entry = ray_of(at, sub).entry;
+#endif
+        let depth = (entry + state.surface.w) * frame.picture.w;
         if depth < pixel.surface.w {
             pixel.surface = vec4<f32>(state.surface.xyz, depth);
         }

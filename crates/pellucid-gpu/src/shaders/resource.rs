@@ -11,6 +11,8 @@ use wgpu::{
     TextureSampleType, TextureViewDimension,
 };
 
+use super::instances::BINDINGS;
+
 /// The constants of which a pass has its own, at an offset that is told with it.
 const CHOSEN: &str = "bounds";
 
@@ -19,6 +21,8 @@ const CHOSEN: &str = "bounds";
 pub struct Resource {
     /// Its group, and its number there.
     pub place: [u32; 2],
+    /// The number of the volume that it belongs to.
+    pub layer: usize,
     /// What shaders call it.
     pub name: String,
     /// What can be bound to it.
@@ -45,7 +49,8 @@ pub fn resources(module: &Module) -> Result<Vec<Resource>, String> {
         let name = name_of(variable);
         let ty = binding_type(module, variable, name == CHOSEN, filtered.contains(&handle));
         let ty = ty.ok_or_else(|| format!("nothing can be bound to {name}"))?;
-        found.push(Resource { place: [binding.group, binding.binding], name: name.to_owned(), ty, visibility });
+        let (place, layer) = ([binding.group, binding.binding], (binding.binding / BINDINGS) as usize);
+        found.push(Resource { place, layer, name: name.to_owned(), ty, visibility });
     }
     Ok(found)
 }

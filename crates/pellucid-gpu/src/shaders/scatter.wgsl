@@ -2,7 +2,7 @@
 #define_import_path pellucid::scatter
 
 #import pellucid::frame::frame
-#import pellucid::table::entries
+#import pellucid::lists::entries
 #ifdef PERTURBED
 #import pellucid::noise::{variation_at, varied_transport}
 #endif
@@ -25,7 +25,7 @@ struct Scatterer {
 fn entry(table: vec4<f32>, position: f32) -> vec4<f32> {
     let place = clamp(position, 0.0, table.w - 1.0);
     let node = min(u32(place), u32(table.w) - 2u);
-    let first = u32(table.z) + node;
+    let first = frame.lists.x + u32(table.z) + node;
     return mix(entries[first], entries[first + 1u], place - f32(node));
 }
 
@@ -79,7 +79,7 @@ fn phase_value(g: f32, mu: f32) -> vec3<f32> {
 }
 
 fn cosine_at(number: u32) -> f32 {
-    return entries[u32(frame.scattering.cosines.x) + number].x;
+    return entries[frame.lists.x + u32(frame.scattering.cosines.x) + number].x;
 }
 
 // The density per steradian with which `phase_cosine` chooses directions.

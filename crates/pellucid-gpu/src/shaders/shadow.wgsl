@@ -3,7 +3,7 @@
 #define_import_path pellucid::shadow
 
 #import pellucid::frame::{frame, world_of}
-#import pellucid::ray::exit_of
+#import pellucid::ray::{exit_of, span_of}
 #import pellucid::field::{field_value, is_present}
 #ifdef SURFACES
 #import pellucid::levels::{between, levels}
@@ -35,8 +35,15 @@ fn left_of_light(place: vec4<f32>, p: vec3<f32>) -> f32 {
         (frame.gradient_x.xyz * to_light.x + frame.gradient_y.xyz * to_light.y + frame.gradient_z.xyz * to_light.z) * step;
     // Away from the surface that is lit: how it is turned is what `n . l` tells.
     let away = frame.shadows.z;
+#ifdef LAYERED
+    // Where this volume is on the way, which may begin outside of it.
+    let span = span_of(p, direction, away, most);
+    let length = span.y - span.x;
+    let origin = p + direction * span.x;
+#else
     let length = min(exit_of(p, direction), most) - away;
     let origin = p + direction * away;
+#endif
     if !(length > 0.0) {
         return 1.0;
     }

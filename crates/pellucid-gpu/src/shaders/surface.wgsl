@@ -20,13 +20,18 @@ fn gradient_of_surface(ray: Ray, p: vec3<f32>) -> vec3<f32> {
 }
 #endif
 
+// A sample of a value in its light, if there is any.
+fn shown(ray: Ray, p: vec3<f32>, value: f32, sample: vec4<f32>) -> vec4<f32> {
+#ifdef LIT
+    return lit(sample, value, p, gradient_of_surface(ray, p), ray.to_eye);
+#else
+    return sample;
+#endif
+}
+
 // Adds a sample of a value behind what is there. Returns whether the ray is done.
 fn add_sample(state: ptr<function, State>, ray: Ray, distance: f32, value: f32, sample: vec4<f32>) -> bool {
-    let p = ray_at(ray, distance);
-    var rgba = sample;
-#ifdef LIT
-    rgba = lit(rgba, value, p, gradient_of_surface(ray, p), ray.to_eye);
-#endif
+    let rgba = shown(ray, ray_at(ray, distance), value, sample);
     (*state).color = over((*state).color, rgba);
     if (*state).color.a >= 0.5 && (*state).surface.w == NOWHERE {
         (*state).surface.w = distance;
@@ -38,12 +43,15 @@ fn add_sample(state: ptr<function, State>, ray: Ray, distance: f32, value: f32, 
 // not. Asked once, after the walk: within it, processors whose lanes share branches would pay for it at
 // every sample.
 fn add_normal(state: ptr<function, State>, ray: Ray) {
-    let p = ray_at(ray, (*state).surface.w);
+    (*state).surface = vec4<f32>(normal_at(ray_at(ray, (*state).surface.w)), (*state).surface.w);
+}
+
+// The unit normal of the field at a position in voxels; zero where there is none.
+fn normal_at(p: vec3<f32>) -> vec3<f32> {
 #ifdef HOLES
     if !is_present(field_value(p)) {
-        return;
+        return vec3<f32>(0.0);
     }
 #endif
-    let normal = normal_of(field_gradient(p)).direction;
-    (*state).surface = vec4<f32>(normal, (*state).surface.w);
+    return normal_of(field_gradient(p)).direction;
 }

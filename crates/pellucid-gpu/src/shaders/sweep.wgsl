@@ -3,7 +3,7 @@
 #define_import_path pellucid::sweep
 
 #import pellucid::frame::{frame, load_frame, Run}
-#import pellucid::light::Light
+#import pellucid::lists::Light
 #ifdef HARDWARE
 #import pellucid::field::linear
 #endif

@@ -3,8 +3,7 @@
 
 #import pellucid::frame::frame
 #import pellucid::field::is_present
-
-@group(2) @binding(0) var<storage, read> entries: array<vec4<f32>>;
+#import pellucid::lists::entries
 
 // Where a value would be among as many even nodes.
 fn even_node(value: f32) -> f32 {
@@ -21,7 +20,7 @@ fn not_above(at: u32, step: u32, value: f32) -> u32 {
 fn node_of(value: f32) -> f32 {
     let knots = u32(frame.table.z);
     let half = knots / 2u;
-    var at = arrayLength(&entries) - knots;
+    var at = frame.lists.x + u32(frame.table.w);
     // Written out for up to 64 rows: drivers that run on the processor (llvmpipe) end all loops of a shader after
     // 65,535 rounds, which rays to lights would use up.
     at = not_above(at, half, value);
@@ -58,7 +57,7 @@ fn classify_stride(value: f32, level: u32) -> vec4<f32> {
     }
     let position = clamped_node(value);
     let node = min(u32(position), frame.dims.w - 2u);
-    let entry = node + level * frame.dims.w;
+    let entry = frame.lists.x + node + level * frame.dims.w;
     return mix(entries[entry], entries[entry + 1u], position - f32(node));
 }
 
@@ -67,7 +66,11 @@ fn opacity_over(alpha: f32, ratio: f32) -> f32 {
     if alpha >= 1.0 {
         return 1.0;
     }
-    let depth = extinction(alpha) * ratio;
+    return opacity_of(extinction(alpha) * ratio);
+}
+
+// `1 - e^-depth`.
+fn opacity_of(depth: f32) -> f32 {
     if depth < 1e-2 {
         return depth * (1.0 - depth * (0.5 - depth * (1.0 / 6.0 - depth / 24.0)));
     }
@@ -170,7 +173,8 @@ fn homogeneous(value: f32) -> f32 {
     let position = clamped_node(value);
     let node = min(u32(position), frame.dims.w - 2u);
     let next = frame.dims.w + 1u;
-    return mix(entries[node * next].a, entries[(node + 1u) * next].a, position - f32(node));
+    let entry = frame.lists.x + node * next;
+    return mix(entries[entry].a, entries[entry + next].a, position - f32(node));
 #else
     return classify(value).a;
 #endif

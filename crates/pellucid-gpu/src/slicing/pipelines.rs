@@ -50,7 +50,7 @@ impl DrawPipelines {
             |format, blend| Some(ColorTargetState { format, blend: Some(blend), write_mask: ColorWrites::ALL });
         let made = make(
             device,
-            [&shader(device, &Variant::of(proxies))?, &shader(device, &key.0)?],
+            [&shader(device, &[Variant::of(proxies)])?, &shader(device, &[key.0])?],
             &[target(blending.format, blending.state), target(blending.counts, SUM)],
             CompareFunction::Less,
         );
@@ -66,7 +66,7 @@ impl DrawPipelines {
         if let Some(found) = &self.done {
             return Ok(found.clone());
         }
-        let both = shader(device, &Variant::of(Pass::SliceDone))?;
+        let both = shader(device, &[Variant::of(Pass::SliceDone)])?;
         let made = make(device, [&both; 2], &[], CompareFunction::Always);
         device.check()?;
         Ok(self.done.insert(made).clone())

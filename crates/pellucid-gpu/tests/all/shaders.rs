@@ -4,7 +4,7 @@
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use pellucid_gpu::shaders::{Constants, Linker, Variant, resources};
+use pellucid_gpu::shaders::{Constants, Linker, Pass, Traversal, Variant, resources};
 use wgpu::naga::Module;
 use wgpu::naga::back::spv;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -27,15 +27,39 @@ fn every_variant_is_valid() {
     });
 }
 
+/// Each layer of a walk has flags of its own.
+#[test]
+fn layers_of_any_kind_are_valid() {
+    let layered = |variant: &Variant| Variant { layered: true, ..*variant }.canonical();
+    let mut kinds: Vec<Variant> = Variant::all().iter().map(layered).filter(|variant| variant.layered).collect();
+    kinds.retain(|variant| variant.traversal == Traversal::Rays && !variant.wavefront && variant.pass != Pass::Resolve);
+    kinds.dedup();
+    assert!(kinds.len() > 100);
+    let mut linker = Linker::default();
+    // Every kind beside another one.
+    for (number, pair) in kinds.chunks(13).map(|chunk| [chunk[0], *chunk.last().unwrap_or(&chunk[0])]).enumerate() {
+        let constants = if number.is_multiple_of(2) { Constants::Uniform } else { Constants::Stored };
+        let module = linker.link(&pair, constants).unwrap_or_else(|error| panic!("{error}"));
+        check_written(&pair, &module);
+        let used = resources(&module).unwrap();
+        let of = |layer, name: &str| used.iter().any(|resource| resource.layer == layer && resource.name == name);
+        assert!(of(0, "volume") && of(1, "volume"), "{pair:?}");
+    }
+}
+
 fn check(linker: &mut Linker, number: usize, variant: &Variant) {
     // Where constants are is a matter of their declarations: a part of the shaders says enough.
     let constants = if number.is_multiple_of(8) { Constants::Uniform } else { Constants::Stored };
-    let module = linker.link(variant, constants).unwrap_or_else(|error| panic!("{error}"));
+    let module = linker.link(std::slice::from_ref(variant), constants).unwrap_or_else(|error| panic!("{error}"));
     check_limits(variant, &module);
+    check_written(&[*variant], &module);
+}
+
+fn check_written(variant: &[Variant], module: &Module) {
     // What drivers are given: writing it fails, or panics, where linking has lost an expression.
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
-    let info = validator.validate(&module).unwrap_or_else(|error| panic!("{variant:?}: {error:?}"));
-    let written = spv::write_vec(&module, &info, &spv::Options::default(), None);
+    let info = validator.validate(module).unwrap_or_else(|error| panic!("{variant:?}: {error:?}"));
+    let written = spv::write_vec(module, &info, &spv::Options::default(), None);
     written.unwrap_or_else(|error| panic!("{variant:?}: {error}"));
 }
 

@@ -1,0 +1,118 @@
+//! Files of which each of several layers has its own: the same text, with names, flags and bindings of the layer.
+
+use std::borrow::Cow;
+
+/// Modules that all layers share; of every other one each layer has its own, as `pellucid::of0::field`.
+const SHARED: [&str; 5] = ["lists", "way", "across", "each", "merge"];
+
+/// Flags that say the same of all layers.
+const COMMON: [&str; 4] = ["LAYERED", "STORED_CONSTANTS", "LOADED_CONSTANTS", "WAVEFRONT"];
+
+/// Numbers of bindings that a layer has for itself, in every group.
+pub const BINDINGS: u32 = 32;
+
+/// Whether layers share a module.
+pub fn is_shared(module: &str) -> bool {
+    SHARED.contains(&module)
+}
+
+/// Whether a flag says the same of all layers.
+pub fn is_common(flag: &str) -> bool {
+    COMMON.contains(&flag)
+}
+
+/// What a flag of a layer is called.
+pub fn flag_of(flag: &str, layer: usize) -> String {
+    if is_common(flag) { flag.to_owned() } else { format!("{flag}_OF_{layer}") }
+}
+
+/// The text of a module of a layer.
+pub fn text_of(text: &str, layer: usize) -> String {
+    text.lines().map(|line| line_of(line, layer) + "\n").collect()
+}
+
+fn line_of(line: &str, layer: usize) -> String {
+    let mut line = Cow::Borrowed(line);
+    let words: Vec<&str> = line.split_whitespace().collect();
+    if let [.., "#ifdef" | "#ifndef" | "ifdef" | "ifndef", flag] = words[..] {
+        let own = flag_of(flag, layer);
+        line = Cow::Owned(line.replace(flag, &own));
+    }
+    bound(&moved(&line, layer), layer)
+}
+
+/// A line whose modules are those of a layer.
+fn moved(line: &str, layer: usize) -> String {
+    const ROOT: &str = "pellucid::";
+    let mut parts = line.split(ROOT);
+    let mut moved = parts.next().unwrap_or_default().to_owned();
+    for rest in parts {
+        let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
+        moved += ROOT;
+        if !is_shared(&rest[..end]) {
+            moved += &format!("of{layer}::");
+        }
+        moved += rest;
+    }
+    moved
+}
+
+/// A line whose bindings are those of a layer.
+fn bound(line: &str, layer: usize) -> String {
+    let Some((before, rest)) = line.split_once("@binding(") else { return line.to_owned() };
+    let Some((number, after)) = rest.split_once(')') else { return line.to_owned() };
+    let number = number.parse::<u32>().unwrap_or_default() + layer as u32 * BINDINGS;
+    format!("{before}@binding({number}){after}")
+}
+
+/// What asks one of so many layers, by its number.
+pub fn each(layers: usize) -> String {
+    let imports: String = (0..layers).map(|k| format!("#import pellucid::of{k}::layer as of{k}\n")).collect();
+    let choice = |call: &str| -> String {
+        let case = |k: usize| format!("        case {k}u: {{ return of{k}::{call}; }}\n");
+        let cases: String = (1..layers).map(case).collect();
+        format!("    switch layer {{\n{cases}        default: {{ return of0::{call}; }}\n    }}\n")
+    };
+    let function = |name: &str, takes: &str, call: &str, gives: &str| {
+        format!("fn {name}(layer: u32, {takes}) -> {gives} {{\n{}}}\n", choice(&format!("{name}({call})")))
+    };
+    [
+        "#define_import_path pellucid::each\n#import pellucid::way::Way\n".to_owned(),
+        imports,
+        format!("const COUNT: u32 = {layers}u;\n"),
+        function("way_of", "at: vec2<f32>", "at", "Way"),
+        function("clear", "way: Way, distance: f32", "way, distance", "f32"),
+        function("element", "way: Way, ends: vec2<f32>, jitter: f32", "way, ends, jitter", "vec4<f32>"),
+        function("normal", "way: Way, distance: f32", "way, distance", "vec3<f32>"),
+    ]
+    .concat()
+}
+
+/// What so many layers leave of a light on its way to a position of the world.
+pub fn across(layers: usize) -> String {
+    let imports = |k: usize| {
+        format!("#import pellucid::of{k}::shadow as shadow_of{k}\n#import pellucid::of{k}::frame as frame_of{k}\n")
+    };
+    let factor = |k: usize| format!("    left *= shadow_of{k}::left_of_light(place, frame_of{k}::index_of(world));\n");
+    let (imports, factors): (String, String) = ((0..layers).map(imports).collect(), (0..layers).map(factor).collect());
+    format!(
+        "#define_import_path pellucid::across\n{imports}fn left_across(place: vec4<f32>, world: vec3<f32>) -> f32 {{\n    \
+         var left = 1.0;\n{factors}    return left;\n}}\n"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modules_flags_and_bindings_are_those_of_a_layer() {
+        let text = "#define_import_path pellucid::field\n#import pellucid::frame::{frame, bounds}\n\
+                    #import pellucid::way::Way\n#ifdef HOLES\n#else ifndef LAYERED\n#endif\n\
+                    @group(1) @binding(2) var x: f32;\n";
+        let own = "#define_import_path pellucid::of1::field\n#import pellucid::of1::frame::{frame, bounds}\n\
+                   #import pellucid::way::Way\n#ifdef HOLES_OF_1\n#else ifndef LAYERED\n#endif\n\
+                   @group(1) @binding(34) var x: f32;\n";
+        assert_eq!(text_of(text, 1), own);
+    }
+}

@@ -1,0 +1,111 @@
+// What lies where volumes overlap: as `merge.rs` of the CPU backend.
+#define_import_path pellucid::merge
+
+#import pellucid::of0::frame::frame
+#import pellucid::of0::table::{extinction, opacity_of}
+#import pellucid::each::{COUNT, element}
+#import pellucid::way::Way
+
+// The rules, as `uniforms.rs` numbers them.
+const ADD: u32 = 0u;
+const MAXIMUM: u32 = 1u;
+const PRIORITY: u32 = 2u;
+const FUSED: u32 = 3u;
+
+// The largest opacity below 1: full opacity has no depth that a number could tell.
+const OPAQUE: f32 = 1.0 - 6e-8;
+
+fn is_in(way: Way, ends: vec2<f32>) -> bool {
+    let middle = (ends.x + ends.y) * 0.5;
+    return middle > way.ends.x && middle < way.ends.y;
+}
+
+// What volumes send of a piece; nothing where they are not.
+fn each_of(ways: ptr<private, array<Way, COUNT>>, ends: vec2<f32>, jitter: f32) -> array<vec4<f32>, COUNT> {
+    var elements: array<vec4<f32>, COUNT>;
+    for (var i = 0u; i < COUNT; i += 1u) {
+        if is_in((*ways)[i], ends) {
+            elements[i] = element(i, (*ways)[i], ends, jitter);
+        }
+    }
+    return elements;
+}
+
+// Extinctions add, and so does emission, weighted by them: `C = A sum(tau c) / sum(tau)` with `A = 1 - e^-sum(tau)`.
+fn added(elements: ptr<function, array<vec4<f32>, COUNT>>) -> vec4<f32> {
+    var only = vec4<f32>(0.0);
+    var color = vec3<f32>(0.0);
+    var depth = 0.0;
+    var count = 0u;
+    for (var i = 0u; i < COUNT; i += 1u) {
+        let own = (*elements)[i];
+        if own.a > 0.0 {
+            only = own;
+            count += 1u;
+            let own_depth = extinction(min(own.a, OPAQUE));
+            depth += own_depth;
+            color += own.rgb * (own_depth / own.a);
+        }
+    }
+    if count < 2u {
+        return only;
+    }
+    let alpha = opacity_of(depth);
+    return vec4<f32>(color * (alpha / depth), alpha);
+}
+
+// More opacity or, where that is the same, the brighter colour: a choice that no order decides.
+fn is_more(own: vec4<f32>, other: vec4<f32>) -> bool {
+    if own.a != other.a {
+        return own.a > other.a;
+    }
+    for (var channel = 0u; channel < 3u; channel += 1u) {
+        if own[channel] != other[channel] {
+            return own[channel] > other[channel];
+        }
+    }
+    return false;
+}
+
+// Of the visible ones the first, or the one with the largest opacity.
+fn chosen(elements: ptr<function, array<vec4<f32>, COUNT>>) -> vec4<f32> {
+    var best = vec4<f32>(0.0);
+    for (var i = 0u; i < COUNT; i += 1u) {
+        let own = (*elements)[i];
+        let is_taken = best.a > 0.0 && frame.overlap.x == PRIORITY;
+        if own.a > 0.0 && !is_taken && is_more(own, best) {
+            best = own;
+        }
+    }
+    return best;
+}
+
+// Light of one volume, whose colours are white, times the opaque colours of the other, where that has any.
+fn fused(elements: ptr<function, array<vec4<f32>, COUNT>>) -> vec4<f32> {
+    let color = (*elements)[frame.overlap.y];
+    let own = (*elements)[frame.overlap.z];
+    if color.a > 0.0 {
+        return vec4<f32>(own.rgb * (color.rgb / color.a), own.a);
+    }
+    return own;
+}
+
+// What all volumes send together.
+fn merged(elements: ptr<function, array<vec4<f32>, COUNT>>) -> vec4<f32> {
+    switch frame.overlap.x {
+        case ADD: { return added(elements); }
+        case FUSED: { return fused(elements); }
+        default: { return chosen(elements); }
+    }
+}
+
+// The volume with most opacity.
+fn densest(elements: ptr<function, array<vec4<f32>, COUNT>>) -> u32 {
+    var found = 0u;
+    for (var i = 1u; i < COUNT; i += 1u) {
+        if (*elements)[i].a > (*elements)[found].a {
+            found = i;
+        }
+    }
+    return found;
+}

@@ -1,0 +1,171 @@
+//! Several volumes in one picture: held to closed forms, and to the CPU backend.
+
+use std::sync::Arc;
+
+use crate::common::{LEVEL, difference, draw, gpu, sample};
+use glam::{DAffine3, DQuat, DVec3};
+use pellucid_cpu::CpuRenderer;
+use pellucid_field::{Grid, Volume, VoxelType};
+use pellucid_gpu::{Ceiling, GpuError, GpuRenderer, Passes};
+use pellucid_scene::{Control, Format, Frame, Scene, Stage};
+
+/// A stage of volumes, each with a part of the document; `rest` is of all.
+fn layered(layers: &[(Arc<Volume>, &str)], rest: &str, size: [u32; 2]) -> Stage {
+    let entries: String = layers.iter().map(|(_, own)| format!("[[volumes]]\nsource = \"memory\"\n{own}\n")).collect();
+    // Keys of no table come first.
+    let (keys, tables) = rest.split_once('|').unwrap_or(("", rest));
+    let document = format!("{keys}\n{entries}{tables}");
+    let mut scene = Scene::parse(&document, Format::Toml).unwrap_or_else(|error| panic!("{error} in {document}"));
+    [scene.image.width, scene.image.height] = size;
+    let volumes: Vec<_> = layers.iter().map(|(volume, _)| volume.clone()).collect();
+    scene.resolve(&volumes).unwrap().0
+}
+
+/// A box of one value, with a corner and the distances between its voxels.
+fn solid(dims: [usize; 3], corner: [f64; 3], spacing: [f64; 3]) -> Arc<Volume> {
+    let affine = DAffine3::from_translation(corner.into()) * DAffine3::from_scale(spacing.into());
+    let grid = Grid::with_affine(dims, affine).unwrap();
+    Arc::new(Volume::new(grid, vec![1.0f32; grid.len()]).unwrap())
+}
+
+/// The same voxels, elsewhere.
+fn placed(volume: &Volume, affine: DAffine3) -> Arc<Volume> {
+    let grid = *volume.grid();
+    let grid = Grid::with_affine(grid.dims(), affine * grid.world_from_index()).unwrap();
+    Arc::new(volume.clone().with_grid(grid).unwrap())
+}
+
+#[test]
+fn extinctions_of_boxes_add() {
+    let red = "shading = false\nunit_distance = 1\n[volumes.transfer_function]\ncolors = [[0, \"#ff0000\"]]\nopacities = [[0, 0.12]]";
+    let green = "shading = false\nunit_distance = 1\n[volumes.transfer_function]\ncolors = [[0, \"#00ff00\"]]\nopacities = [[0, 0.3]]";
+    let layers =
+        [(solid([9; 3], [0.0; 3], [1.0; 3]), red), (solid([5, 7, 6], [2.2, 4.37, 1.9], [1.3, 0.91, 0.83]), green)];
+    let camera = "[camera]\nprojection.orthographic = {}\nview.orbit = { azimuth = 0, elevation = 0 }\n";
+    let kappas = [0.12f64, 0.3].map(|opacity| -(1.0 - opacity).ln());
+    let (before, within, behind) = (4.37, 8.0 - 4.37, 4.37 + 6.0 * 0.91 - 8.0);
+    let mut renderer = gpu(&Ceiling::default());
+    for quality in [
+        "step = 0.3",
+        "jitter.blue_noise.seed = 3",
+        "step = 3.7\nclassification = \"pre\"",
+        "step = 3.7\nclassification = \"pre_integrated\"",
+    ] {
+        for swapped in [false, true] {
+            let mut layers = layers.clone();
+            if swapped {
+                layers.reverse();
+            }
+            let rest = format!("[quality]\nearly_termination = 1\n{quality}\n{camera}");
+            let stage = layered(&layers, &rest, [24, 24]);
+            // Through the middle of both.
+            let frame = draw(&mut renderer, &stage);
+            let both = frame.color.iter().find(|pixel| pixel[0] > 0.1 && pixel[1] > 0.1).expect("both are seen");
+            let [first, second] = kappas;
+            let mut color = [0.0; 4];
+            for (tau, length) in [([first, 0.0], before), ([first, second], within), ([0.0, second], behind)] {
+                let total = tau[0] + tau[1];
+                let alpha = -(-total * length).exp_m1();
+                let through = 1.0 - color[3];
+                color[0] += through * alpha * tau[0] / total;
+                color[1] += through * alpha * tau[1] / total;
+                color[3] += through * alpha;
+            }
+            for channel in 0..4 {
+                let apart = (f64::from(both[channel]) - color[channel]).abs();
+                assert!(apart < 2e-5, "{quality}: {both:?}, exact {color:?}");
+            }
+        }
+    }
+}
+
+/// Two volumes on grids that are turned and spaced otherwise, of other voxel types.
+fn turned() -> [Arc<Volume>; 2] {
+    let ball = sample("ball", [20, 24, 22], VoxelType::F32);
+    let wavelet = sample("wavelet", [18, 16, 20], VoxelType::U8);
+    let turn = |axis: DVec3, angle: f64, scale: f64, to: [f64; 3]| {
+        DAffine3::from_scale_rotation_translation(DVec3::splat(scale), DQuat::from_axis_angle(axis, angle), to.into())
+    };
+    [placed(&ball, turn(DVec3::Z, 0.4, 8.0, [0.0; 3])), placed(&wavelet, turn(DVec3::X, 0.9, 0.7, [1.0, -1.5, 2.0]))]
+}
+
+const BALL: &str = "unit_distance = 1\n[volumes.transfer_function]\ncolors = [[0, \"#3050e0\"], [1, \"#e0a020\"]]\n\
+    opacities = [[0.3, 0], [0.7, 0.2]]";
+const WAVES: &str = "unit_distance = 1\n[volumes.transfer_function]\ncolors = [[80, \"#30e050\"], [260, \"#e04020\"]]\n\
+    opacities = [[90, 0], [140, 0.1], [170, 0.0], [190, 0.25], [270, 0.9]]";
+const LIGHTS: &str = "lights = [{ kind.directional.direction = [0.8, 0.4, -0.5] }, \
+    { kind.point = { position = [-20, -15, 18], falloff = \"none\" }, intensity = 0.5 }]\n";
+
+fn by_cpu(stage: &Stage) -> Frame {
+    CpuRenderer::default().render(stage, &Control::default()).unwrap()
+}
+
+#[test]
+fn layers_are_those_of_the_cpu() {
+    let [ball, waves] = turned();
+    let unlit = "shading = false\n";
+    let rays = format!("[lighting]\nshadows.rays = {{}}\n{LIGHTS}");
+    let lights = format!("[lighting]\n{LIGHTS}");
+    let cases = [
+        ("", unlit, String::new()),
+        ("", unlit, "[quality]\nstep = 0.4\nempty_space_skipping = false\n".to_owned()),
+        ("", unlit, "[quality]\nsupersampling = 2\njitter.blue_noise.seed = 3\n".to_owned()),
+        ("", unlit, "[quality]\nclassification = \"pre\"\n".to_owned()),
+        ("", unlit, "[quality]\nclassification = \"pre_integrated\"\nstep = 1.5\n".to_owned()),
+        ("overlap = \"maximum\"", unlit, String::new()),
+        ("overlap = \"priority\"", unlit, String::new()),
+        ("overlap.fused = { color = 1, opacity = 0 }", unlit, String::new()),
+        ("", "shading = true\n", lights.clone()),
+        ("", "shading = true\ngradient_weight = { low = 0.1, high = 4.0 }\n", lights),
+        ("", "shading = true\n", rays.clone()),
+        ("", unlit, "[quality]\nfilter = { bc = { b = 0.3, c = 0.3 } }\n".to_owned()),
+        ("", unlit, "[[clips]]\nplane = { point = [1, 0, 0], normal = [0.6, 0.2, -0.7] }\n".to_owned()),
+    ];
+    let mut renderer = gpu(&Ceiling::default());
+    let mut seen = 0;
+    for (keys, each, rest) in cases {
+        let (first, second) = (format!("{each}{BALL}"), format!("{each}{WAVES}"));
+        let layers = [(ball.clone(), &*first), (waves.clone(), &*second)];
+        let stage = layered(&layers, &format!("{keys}|{rest}"), [40, 36]);
+        let (expected, found) = (by_cpu(&stage), draw(&mut renderer, &stage));
+        let pairs = expected.color.as_flattened().iter().zip(found.color.as_flattened());
+        let far = pairs.filter(|(a, b)| (*a - *b).abs() > LEVEL).count();
+        let apart = difference(&expected, &found);
+        assert!(far <= 4 && apart < 0.05, "{keys} {each} {rest}: {far} farther than a level, {apart}");
+        let deep = expected.depth.iter().zip(&found.depth).filter(|(a, b)| (*a - *b).abs() > 0.1 * a.min(**b)).count();
+        assert!(deep <= 4, "{keys} {each} {rest}: {deep} depths differ");
+        seen += expected.color.iter().filter(|pixel| pixel[3] > 0.2).count();
+    }
+    assert!(seen > 2000, "only {seen} pixels show anything");
+}
+
+#[test]
+fn neither_the_order_of_the_list_nor_turns_change_a_bit() {
+    let [ball, waves] = turned();
+    let third = solid([4, 5, 6], [-1.0, -9.0, -2.0], [1.7, 2.3, 1.1]);
+    let haze = "unit_distance = 1\n[volumes.transfer_function]\ncolors = [[0, \"#ffffff\"]]\nopacities = [[0, 0.02]]";
+    let layers = [(ball, BALL), (waves, WAVES), (third, haze)];
+    let [a, b, c] = layers.clone();
+    let rest = format!("[lighting]\nshadows.rays = {{}}\n{LIGHTS}");
+    let bits = |renderer: &mut GpuRenderer, layers: &[(Arc<Volume>, &str)]| {
+        let frame = draw(renderer, &layered(layers, &rest, [24, 20]));
+        let numbers = [frame.color.as_flattened(), &frame.depth, frame.normal.as_flattened()].concat();
+        numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>()
+    };
+    let mut renderer = gpu(&Ceiling::default());
+    let first = bits(&mut renderer, &layers);
+    assert!(bits(&mut renderer, &[c, a, b]) == first, "the order changes the picture");
+    let mut turns = gpu(&Ceiling::default()).with_passes(Passes::Wavefront);
+    assert!(bits(&mut turns, &layers) == first, "turns change the picture");
+}
+
+#[test]
+fn more_volumes_than_a_pass_takes_are_counted() {
+    let haze = "unit_distance = 1\n[volumes.transfer_function]\ncolors = [[0, \"#ffffff\"]]\nopacities = [[0, 0.02]]";
+    let layers: Vec<_> = (0..9).map(|k| (solid([3; 3], [f64::from(k), 0.0, 0.0], [1.0; 3]), haze)).collect();
+    let mut renderer = gpu(&Ceiling { guaranteed: true, ..Ceiling::default() });
+    let refused = renderer.render(&layered(&layers, "", [8, 8]), &Control::default()).unwrap_err();
+    let GpuError::Volumes { found: 9, most } = refused else { panic!("{refused}") };
+    assert!((1..9).contains(&most), "{refused}");
+    draw(&mut renderer, &layered(&layers[..most], "", [8, 8]));
+}
