@@ -39,6 +39,11 @@ impl<'s> Layers<'s> {
         Ok(Self { stage, each: merge_order(stage).into_iter().map(layer).collect::<Result<_, _>>()? })
     }
 
+    /// The volumes, made ready.
+    pub fn each(&self) -> &[Prepared<'s>] {
+        &self.each
+    }
+
     /// What makes rays in each of them.
     pub fn emitters(&self, set: InstructionSet) -> Vec<Emitter> {
         let emitter = |layer: &Prepared| Emitter::of_eye(self.stage, layer.grid(), &layer.region, set);

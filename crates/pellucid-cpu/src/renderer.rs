@@ -147,9 +147,9 @@ fn render(
             tiles.draw(control, |tile| draw_tile(stage, &emitter, integrator.as_ref(), control, tile))?;
         }
         Technique::HalfAngle(settings) => {
-            let prepared = Prepared::new(stage, 0, cache)?;
+            let layers = Layers::new(stage, cache)?;
             drawing = Instant::now();
-            half_angle::draw(&prepared, settings, set, control, tiles)?;
+            half_angle::draw(layers.each(), settings, set, control, tiles)?;
         }
         Technique::PathTrace(settings) => {
             let tracer = PathTracer::new(stage, settings, &mut cache.plan)?;

@@ -3,7 +3,7 @@
 use pellucid_optics::path_extinction;
 use pellucid_scene::{RenderWarning, Stage, StageVolume, Technique};
 
-use crate::half_angle::{Geometry, LightPoints, lights};
+use crate::half_angle::{Geometry, LightPoints, around, lights};
 
 /// What a user should know of how light is followed: where it was followed more coarsely than asked for, and
 /// where a medium is so dense that its light hardly gets anywhere. A light volume has at most `side` points along an
@@ -13,7 +13,10 @@ pub fn cautions(stage: &Stage, side: usize) -> impl Iterator<Item = RenderWarnin
     volumes
         .flat_map(move |(number, volume)| {
             let dense = matches!(stage.technique, Technique::PathTrace(_)).then(|| too_dense(number, volume));
-            [dense.flatten(), too_many_points(stage, volume, side), too_many_slabs(stage, volume, side)]
+            // Light of half-angle slices passes all volumes in the same slabs.
+            let sweeps = number == 0 || stage.half_angle().is_none();
+            let slabs = sweeps.then(|| too_many_slabs(stage, volume, side));
+            [dense.flatten(), too_many_points(stage, volume, side), slabs.flatten()]
         })
         .flatten()
 }
@@ -34,15 +37,18 @@ fn too_many_points(stage: &Stage, volume: &StageVolume, side: usize) -> Option<R
 }
 
 fn too_many_slabs(stage: &Stage, volume: &StageVolume, side: usize) -> Option<RenderWarning> {
-    let grid = volume.volume.grid();
+    let grid = match &stage.technique {
+        Technique::HalfAngle(_) => around(stage).ok()?,
+        _ => *volume.volume.grid(),
+    };
     let geometries: Vec<Geometry> = match &stage.technique {
         Technique::HalfAngle(settings) => {
             let lights = lights(stage, settings).ok()?;
-            lights.iter().filter_map(|(_, light)| Geometry::new(stage, grid, settings, light)).collect()
+            lights.iter().filter_map(|(_, light)| Geometry::new(stage, &grid, settings, light)).collect()
         }
         _ => {
             let points = LightPoints::of(stage, volume, side).ok()??;
-            let sweep = |light| Geometry::of_light(stage.step, grid, light, points.texels);
+            let sweep = |light| Geometry::of_light(stage.step, &grid, light, points.texels);
             stage.lights.iter().filter_map(sweep).collect()
         }
     };

@@ -116,7 +116,7 @@ impl Stage {
     pub fn chroma(&self, volume: &StageVolume) -> Option<Chroma> {
         let composites = match self.technique {
             Technique::RayCast(_) => *self.mode() == Mode::Composite && !self.has_layers(),
-            Technique::HalfAngle(_) => true,
+            Technique::HalfAngle(_) => !self.has_layers(),
             Technique::Slicing(_) | Technique::PathTrace(_) => false,
         };
         Chroma::of(&volume.scattering).filter(|_| composites)

@@ -145,6 +145,12 @@ impl<S: Lanes> Crossings<S> {
         xyz!(I => self.direction[I].mul_add(along, self.origin[I]))
     }
 
+    /// The lanes whose rays are in the field at coordinates.
+    #[inline(always)]
+    pub fn holds(&self, place: F32<S>) -> Mask<S> {
+        place.simd_ge(self.from) & place.simd_lt(self.to)
+    }
+
     /// Where rays come into the field from the eye, and their directions there; `backward` ones leave the slabs there.
     #[inline(always)]
     pub fn entry(&self, backward: Mask<S>) -> [Vec3<S>; 2] {

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use pellucid_field::Grid;
 use pellucid_optics::Chroma;
 use pellucid_plan::half_angle::Slabs;
 
@@ -12,7 +13,6 @@ use crate::classify::Lookup;
 use crate::field::Field;
 use crate::lanes::{self, *};
 use crate::packet::Packet;
-use crate::prepare::Prepared;
 use crate::rays::Emitter;
 use crate::skip::SkipGrid;
 use crate::vary::Varied;
@@ -57,10 +57,10 @@ struct LightPacket {
 
 impl Band {
     /// The rows from `top` on of a light's picture, `width` texels wide, for so many slabs at once and numbers per
-    /// texel.
+    /// texel; rays in a grid's box, `step` world units to a step.
     pub fn new<S: Lanes>(
         s: S,
-        prepared: &Prepared,
+        (grid, step): (&Grid, f64),
         (emitter, slabs): (&Emitter, &Slabs),
         [top, rows, width]: [usize; 3],
         [run, channels]: [usize; 2],
@@ -72,7 +72,7 @@ impl Band {
             let mut rays = Packet::NOTHING;
             emitter.emit(&x, &y, &[true; MOST_LANES], 0, &mut rays);
             let mut packet = LightPacket { crossing: Crossing::NOTHING, next: 0, last: 0 };
-            packet.crossing.take(s, &rays, slabs, prepared.grid(), prepared.stage.step);
+            packet.crossing.take(s, &rays, slabs, grid, step);
             (packet.next, packet.last) = (packet.crossing.slabs().start, packet.crossing.slabs().end);
             packet
         };
@@ -96,6 +96,36 @@ impl Band {
     #[inline(always)]
     pub fn opacities(&self, number: usize, row: usize, columns: &Range<usize>) -> &[f32] {
         &self.opacities[number][(row * self.width + columns.start) * self.channels..][..columns.len() * self.channels]
+    }
+
+    /// Forgets what the run before this one held.
+    pub fn clear(&mut self) {
+        for (opacities, held) in self.opacities.iter_mut().zip(self.held.iter_mut()) {
+            for (tile, held) in held.iter_mut().enumerate().filter(|(_, held)| **held) {
+                *held = false;
+                for row in opacities.chunks_exact_mut(self.width * self.channels) {
+                    row[tile * TILE * self.channels..self.width.min((tile + 1) * TILE) * self.channels].fill(0.0);
+                }
+            }
+        }
+    }
+
+    /// Holds also what another layer holds in the same rows: light passes both.
+    pub fn join(&mut self, other: &Self) {
+        let (width, channels) = (self.width, self.channels);
+        let slabs = self.opacities.iter_mut().zip(self.held.iter_mut()).zip(other.opacities.iter().zip(&other.held));
+        for ((opacities, held), (others, theirs)) in slabs {
+            for tile in (0..held.len()).filter(|&tile| theirs[tile]) {
+                held[tile] = true;
+                let columns = tile * TILE * channels..width.min((tile + 1) * TILE) * channels;
+                let rows = opacities.chunks_exact_mut(width * channels).zip(others.chunks_exact(width * channels));
+                for (row, other) in rows {
+                    for (own, other) in row[columns.clone()].iter_mut().zip(&other[columns.clone()]) {
+                        *own += other - *own * other;
+                    }
+                }
+            }
+        }
     }
 
     /// The rays of texels, by their place in the band.
@@ -128,15 +158,8 @@ pub struct Matter<'a, S, F> {
 impl<S: Lanes, F: Field<S>> Matter<'_, S, F> {
     /// Looks up what a run of slabs holds in a band.
     pub fn look_up(&self, band: &mut Band, run: Range<usize>) {
+        band.clear();
         let Band { packets, width: texels, channels, opacities, held } = band;
-        for (opacities, held) in opacities.iter_mut().zip(held.iter_mut()) {
-            for (tile, held) in held.iter_mut().enumerate().filter(|(_, held)| **held) {
-                *held = false;
-                for row in opacities.chunks_exact_mut(*texels * *channels) {
-                    row[tile * TILE * *channels..(*texels).min((tile + 1) * TILE) * *channels].fill(0.0);
-                }
-            }
-        }
         let s = self.s;
         s.vectorize(
             #[inline(always)]

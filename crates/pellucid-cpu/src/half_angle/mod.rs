@@ -17,6 +17,7 @@ mod crossing;
 mod eye;
 mod frame;
 mod lengths;
+mod look;
 mod matter;
 mod step;
 mod sweep;
@@ -26,14 +27,15 @@ mod work;
 #[cfg(test)]
 mod tests;
 
+use glam::DAffine3;
 use pellucid_optics::ResolvedLight;
-use pellucid_plan::half_angle::{Geometry, LightError, into_cone, lights, material};
+use pellucid_plan::half_angle::{Geometry, LightError, around, into_cone, lights, material};
 use pellucid_scene::{Control, HalfAngle, InScatter};
 use rayon::prelude::*;
 
 use crate::RenderError;
 use crate::classify::Lookup;
-use crate::field::Field;
+use crate::field::{Any, Field};
 use crate::integrator::Found;
 use crate::lanes::*;
 use crate::packet::Packet;
@@ -43,35 +45,37 @@ use crate::reconstruct::WithField;
 use crate::surface::Surface;
 use crate::tiles::{Tile, Tiles};
 
-use eye::{Eye, EyePacket};
+use eye::Eye;
 pub use lengths::Lengths;
+use look::{EyePacket, Looked};
 pub use matter::Matter;
 pub use sweep::Sweep;
 pub use work::Seen;
 
-/// Draws a stage into tiles.
+/// Draws a stage into tiles: one volume, or layers in the order in which they are merged.
 ///
 /// # Errors
-/// [`RenderError::Light`] if there is no such light or one stands in the volume, [`RenderError::Cancelled`].
+/// [`RenderError::Light`] if there is no such light or one stands in a volume, [`RenderError::Cancelled`].
 pub fn draw(
-    prepared: &Prepared,
+    layers: &[Prepared],
     settings: &HalfAngle,
     set: InstructionSet,
     control: &Control,
     tiles: &mut Tiles,
 ) -> Result<(), RenderError> {
-    let stage = prepared.stage;
+    let stage = layers[0].stage;
     let lights = lights(stage, settings)?;
     let subs = stage.quality.supersampling.pow(2) as usize;
     let sweeps = lights.len() * subs;
+    let grid = around(stage)?;
     tiles.clear();
     for (place, (number, light)) in lights.iter().enumerate() {
-        let geometry =
-            Geometry::new(stage, prepared.grid(), settings, light).ok_or(LightError::Inside { light: *number })?;
-        let lengths = Lengths::new(prepared, geometry.ways)?;
+        let geometry = Geometry::new(stage, &grid, settings, light).ok_or(LightError::Inside { light: *number })?;
+        let lengths = layers.iter().map(|layer| Lengths::new(layer, geometry.ways));
+        let lengths = lengths.collect::<Result<Vec<_>, _>>()?;
         let done = place * subs;
         let drawing = Drawing {
-            prepared,
+            layers,
             settings,
             geometry: &geometry,
             lengths,
@@ -81,10 +85,16 @@ pub fn draw(
         };
         for sub in 0..subs {
             let report = |share: f64| control.report(((done + sub) as f64 + share) / sweeps as f64);
-            let sampler = prepared.sampler()?;
+            let samplers = layers.iter().map(Prepared::sampler).collect::<Result<Vec<_>, _>>()?;
             dispatch!(set, s => {
                 let sweep = EyeSweep { s, drawing: &drawing, sub, control, report: &report, tiles: &mut *tiles };
-                prepared.with_field(sampler, sweep)
+                match layers {
+                    [prepared] => prepared.with_field(samplers[0].clone(), sweep),
+                    _ => {
+                        let each = layers.iter().zip(samplers).map(|(layer, sampler)| layer.any(sampler));
+                        sweep.through(&each.collect::<Vec<Any<_>>>())
+                    }
+                }
             })?;
         }
     }
@@ -93,10 +103,10 @@ pub fn draw(
 
 /// One of the lights, and what it shines on.
 struct Drawing<'a> {
-    prepared: &'a Prepared<'a>,
+    layers: &'a [Prepared<'a>],
     settings: &'a HalfAngle,
     geometry: &'a Geometry,
-    lengths: Lengths,
+    lengths: Vec<Lengths>,
     light: &'a ResolvedLight,
     /// How many lights there are: each sweep brings its share of what does not depend on them.
     lights: usize,
@@ -117,17 +127,29 @@ impl<'f, S: Lanes> WithField<'f, S> for EyeSweep<'_, S> {
     type Output = Result<(), RenderError>;
 
     fn with<F: Field<S> + 'f>(self, field: F) -> Self::Output {
+        self.through(&[field])
+    }
+}
+
+impl<S: Lanes> EyeSweep<'_, S> {
+    /// Draws the picture through the fields of all layers.
+    fn through<F: Field<S>>(self, fields: &[F]) -> Result<(), RenderError> {
         let Self { s, drawing, sub, control, report, tiles } = self;
-        let Drawing { prepared, settings, geometry, .. } = *drawing;
-        let eye = drawing.eye(s, &field);
+        let Drawing { layers, settings, geometry, .. } = *drawing;
+        let stage = layers[0].stage;
+        let each = || (0..layers.len()).zip(fields);
+        let eyes = each().map(|(number, field)| drawing.eye(s, number, field)).collect();
+        let eye = Looked { layers: eyes, early_termination: stage.quality.early_termination };
         let cancelled = || control.is_cancelled();
-        let mut light = Sweep::new(prepared, settings, geometry, drawing.matter(s, &field), Seen::InMatter, cancelled)?;
+        let matter = each().map(|(number, field)| drawing.matter(s, number, field)).collect();
+        let mut light = Sweep::new(layers, settings, geometry, matter, Seen::InMatter, cancelled)?;
         let length = light.run_length();
-        let emitter = Emitter::of_eye(prepared.stage, prepared.grid(), &prepared.region, InstructionSet::of(s));
+        let emitter = |layer: &Prepared| Emitter::of_eye(stage, layer.grid(), &layer.region, InstructionSet::of(s));
+        let emitters: Vec<Emitter> = layers.iter().map(emitter).collect();
         let columns = 1 << width::<S>().ilog2().div_ceil(2);
         let packets = |tile: &Tile| match control.is_cancelled() {
             true => Err(RenderError::Cancelled),
-            false => Ok(drawing.packets(s, tile, &emitter, columns, sub)),
+            false => Ok(drawing.packets(s, tile, &emitters, columns, sub)),
         };
         let mut seen: Vec<Vec<EyePacket>> = tiles.all().par_iter().map(packets).collect::<Result<_, _>>()?;
         let end = seen.iter().flatten().map(|packet| packet.slabs().end).max().unwrap_or(0);
@@ -143,13 +165,13 @@ impl<'f, S: Lanes> WithField<'f, S> for EyeSweep<'_, S> {
             })?;
             report(run.end as f64 / (end + length) as f64);
         }
-        let world_from_index = prepared.grid().world_from_index();
-        let n = prepared.stage.quality.supersampling as f32;
+        let worlds: Vec<DAffine3> = layers.iter().map(|layer| layer.grid().world_from_index()).collect();
+        let n = stage.quality.supersampling as f32;
         let rays = 1.0 / (n * n);
         tiles.all_mut().par_iter_mut().zip(&seen).for_each(|(tile, packets)| {
             for packet in packets {
                 let (left, top) = (packet.corner[0], packet.corner[1]);
-                eye.finish(packet, prepared.stage, &world_from_index, |lane, mut found: Found| {
+                eye.finish(packet, stage, &worlds, |lane, mut found: Found| {
                     // Light of several sweeps adds up; what holds it back is the same in all of them.
                     let lights = drawing.lights as f32;
                     found.color[3] /= lights;
@@ -166,27 +188,27 @@ impl<'f, S: Lanes> WithField<'f, S> for EyeSweep<'_, S> {
 }
 
 impl Drawing<'_> {
-    /// The rays through a tile that meet the field, `columns` side by side.
-    fn packets<S: Lanes>(&self, s: S, tile: &Tile, emitter: &Emitter, columns: usize, sub: usize) -> Vec<EyePacket> {
-        let (prepared, slabs, lanes) = (self.prepared, &self.geometry.slabs, width::<S>());
-        let n = prepared.stage.quality.supersampling as usize;
+    /// The rays through a tile that meet any field, `columns` side by side.
+    fn packets<S: Lanes>(&self, s: S, tile: &Tile, emitters: &[Emitter], columns: usize, sub: usize) -> Vec<EyePacket> {
+        let (layers, slabs, lanes) = (self.layers, &self.geometry.slabs, width::<S>());
+        let n = layers[0].stage.quality.supersampling as usize;
         let mut packets: Vec<EyePacket> = Vec::with_capacity((tile.width * tile.height).div_ceil(lanes));
+        let mut rays = vec![Packet::NOTHING; layers.len()];
         for (top, left) in tile.corners(columns, lanes / columns) {
-            let (corner, mut rays) = ([left, top], Packet::NOTHING);
-            if emitter.emit_pixels(tile, corner, [lanes, columns], (sub, n), &mut rays) == 0 {
-                continue;
+            let (corner, mut hit) = ([left, top], 0);
+            for (emitter, rays) in emitters.iter().zip(&mut rays) {
+                *rays = Packet::NOTHING;
+                hit += emitter.emit_pixels(tile, corner, [lanes, columns], (sub, n), rays);
             }
-            // Where it will stay: a packet is long.
-            packets.push(EyePacket::NOTHING);
-            if !packets.last_mut().is_some_and(|packet| packet.take(s, &rays, slabs, prepared, corner)) {
-                packets.pop();
+            if hit > 0 {
+                packets.extend(EyePacket::new(s, &rays, slabs, layers, corner));
             }
         }
         packets
     }
 
-    fn eye<'f, S: Lanes, F>(&'f self, s: S, field: &'f F) -> Eye<'f, S, F> {
-        let (prepared, settings) = (self.prepared, self.settings);
+    fn eye<'f, S: Lanes, F>(&'f self, s: S, number: usize, field: &'f F) -> Eye<'f, S, F> {
+        let (prepared, lengths, settings) = (&self.layers[number], &self.lengths[number], self.settings);
         let stage = prepared.stage;
         let (material, ambient) = material(stage, prepared.volume, settings, self.lights);
         let lights = std::slice::from_ref(self.light);
@@ -198,11 +220,11 @@ impl Drawing<'_> {
             s,
             field,
             table: Lookup::of_steps(prepared.step_table()),
-            half_transport: self.lengths.half_transport(),
-            half: self.lengths.steps * 0.5,
+            half_transport: lengths.half_transport(),
+            half: lengths.steps * 0.5,
             surface,
             chroma: stage.chroma(prepared.volume),
-            frame: &self.geometry.frame,
+            frame: self.geometry.frame.on(prepared.grid()),
             ways: self.geometry.ways,
             correction: settings.correction,
             into_cone: (settings.in_scatter != InScatter::Indirect)
@@ -211,19 +233,18 @@ impl Drawing<'_> {
             cuts: prepared.cuts(),
             skip: prepared.grids.skip.as_ref(),
             varied: prepared.varied(),
-            early_termination: stage.quality.early_termination,
         }
     }
 
-    fn matter<'f, S, F>(&'f self, s: S, field: &'f F) -> Matter<'f, S, F> {
-        let prepared = self.prepared;
+    fn matter<'f, S, F>(&'f self, s: S, number: usize, field: &'f F) -> Matter<'f, S, F> {
+        let (prepared, lengths) = (&self.layers[number], &self.lengths[number]);
         Matter {
             s,
             field,
-            steps: self.lengths.steps,
-            table: self.lengths.opacity(),
+            steps: lengths.steps,
+            table: lengths.opacity(),
             chroma: prepared.stage.chroma(prepared.volume),
-            transport: self.lengths.transport().filter(|_| self.settings.indirect > 0.0),
+            transport: lengths.transport().filter(|_| self.settings.indirect > 0.0),
             skip: prepared.grids.skip.as_ref(),
             varied: prepared.varied(),
         }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use pellucid_plan::half_angle::{Geometry, Ways, into_cone, taps};
-use pellucid_scene::{BlurScaling, HalfAngle, InScatter};
+use pellucid_scene::{BlurScaling, HalfAngle, InScatter, Region};
 use rayon::prelude::*;
 
 use super::buffer::{LightBuffer, Shape};
@@ -19,8 +19,10 @@ use crate::rays::Emitter;
 /// Light that passes slab after slab.
 pub struct Sweep<'a, S, F> {
     settings: &'a HalfAngle,
-    matter: Matter<'a, S, F>,
-    bands: Vec<Band>,
+    /// What slabs hold, layer by layer.
+    layers: Vec<Matter<'a, S, F>>,
+    /// The rows of the picture and, if there are several layers, what each of them holds there.
+    bands: Vec<(Band, Vec<Band>)>,
     /// In front of every slab of a run, and behind the last.
     buffers: Vec<LightBuffer>,
     /// Slabs of the run that was passed last.
@@ -43,18 +45,18 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
     /// # Errors
     /// [`RenderError::Cancelled`], as `cancelled` says.
     pub fn new(
-        prepared: &Prepared,
+        prepared: &[Prepared],
         settings: &'a HalfAngle,
         geometry: &'a Geometry,
-        matter: Matter<'a, S, F>,
+        layers: Vec<Matter<'a, S, F>>,
         seen: Seen,
         cancelled: impl Fn() -> bool + Sync,
     ) -> Result<Self, RenderError> {
         let stop = || if cancelled() { Err(RenderError::Cancelled) } else { Ok(()) };
-        let Geometry { frame, slabs, ways, longest } = geometry;
-        let (step, voxel) = (prepared.stage.step, prepared.grid().smallest_spacing());
+        let Geometry { grid, frame, slabs, ways, longest } = geometry;
+        let (s, step, voxel) = (layers[0].s, prepared[0].stage.step, grid.smallest_spacing());
         let indirect = (settings.indirect > 0.0).then_some(settings.initial_indirect);
-        let across = frame.finest(prepared.grid());
+        let across = frame.finest(grid);
         let farthest = if indirect.is_some() { taps::radius(settings, *longest, voxel) * across } else { 0.0 };
         let pad = farthest.ceil() as usize + 2;
         let shape = Shape::new(frame.size, pad);
@@ -70,20 +72,33 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
         let tiles = shape.width.div_ceil(TILE);
         let run = run_length([shape.width, shape.height]);
         let channels = LightBuffer::channels_of(indirect);
-        let emitter = Emitter::of_light(frame, step, prepared.grid(), &prepared.region, InstructionSet::of(matter.s));
+        let emitter = |grid, region| Emitter::of_light(frame, step, grid, region, InstructionSet::of(s));
+        let own: Vec<Emitter> = prepared.iter().map(|layer| emitter(layer.grid(), &layer.region)).collect();
+        // Rays of all layers go through the box around them.
+        let everything = Region::default();
+        let all = (prepared.len() > 1).then(|| emitter(grid, &everything));
         let rows = |top: usize| BAND.min(shape.height - top);
-        let bands: Vec<Band> = (0..shape.height.div_ceil(BAND))
+        let bands: Vec<(Band, Vec<Band>)> = (0..shape.height.div_ceil(BAND))
             .into_par_iter()
             .map(|band| {
                 stop()?;
                 let place = [band * BAND, rows(band * BAND), shape.width];
-                Ok(Band::new(matter.s, prepared, (&emitter, slabs), place, [run, channels]))
+                let band = |grid, emitter| Band::new(s, (grid, step), (emitter, slabs), place, [run, channels]);
+                let each = || prepared.iter().zip(&own).map(|(layer, emitter)| band(layer.grid(), emitter));
+                Ok(match &all {
+                    Some(all) => (band(grid, all), each().collect()),
+                    None => (band(grid, &own[0]), Vec::new()),
+                })
             })
             .collect::<Result<_, RenderError>>()?;
         let gated = matches!(settings.in_scatter, InScatter::DirectFromMatter | InScatter::BothFromMatter);
         let reach = pad.div_ceil(BAND.min(TILE));
         let needed = match seen {
-            Seen::InMatter => needed(prepared, geometry, [tiles, bands.len()], farthest),
+            Seen::InMatter => {
+                let each = prepared.iter().map(|layer| needed(layer, geometry, [tiles, bands.len()], farthest));
+                let later = |a: Vec<usize>, b: Vec<usize>| a.into_iter().zip(b).map(|(a, b)| a.max(b)).collect();
+                each.reduce(later).unwrap_or_default()
+            }
             Seen::Everywhere => vec![slabs.count; tiles * bands.len()],
         };
         let buffers = (0..=run).map(|_| stop().map(|()| LightBuffer::new(shape, indirect)));
@@ -91,14 +106,14 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
             settings,
             passed: 0,
             buffers: buffers.collect::<Result<_, _>>()?,
-            matter,
+            layers,
             presence: (gated && indirect.is_some()).then(|| vec![0.0; shape.len()]),
             touched: vec![false; tiles * bands.len()],
             bands,
             needed,
             radius,
             reach,
-            phase: into_cone(&prepared.volume.scattering, settings),
+            phase: mean_into_cone(prepared, settings),
         })
     }
 
@@ -138,10 +153,19 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
         // What is behind the last run is in front of this one.
         self.buffers.swap(0, self.passed);
         self.passed = run.len();
-        let Self { matter, bands, .. } = self;
-        bands.par_iter_mut().try_for_each(|band| {
+        let Self { layers, bands, .. } = self;
+        bands.par_iter_mut().try_for_each(|(band, each)| {
             stop()?;
-            matter.look_up(band, run.clone());
+            match layers.as_slice() {
+                [matter] => matter.look_up(band, run.clone()),
+                layers => {
+                    band.clear();
+                    for (matter, own) in layers.iter().zip(each) {
+                        matter.look_up(own, run.clone());
+                        band.join(own);
+                    }
+                }
+            }
             Ok::<_, RenderError>(())
         })?;
         for slab in run.clone() {
@@ -151,18 +175,18 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
     }
 
     fn pass_slab(&mut self, slab: usize, number: usize, cancelled: &(impl Fn() -> bool + Sync)) {
-        let Self { settings, matter, bands, buffers, presence, touched, needed, reach, .. } = self;
+        let Self { settings, layers, bands, buffers, presence, touched, needed, reach, .. } = self;
         let offsets = taps::offsets(settings, slab);
         if let Some(presence) = presence {
             mark(bands, presence, &buffers[number].shape, number);
         }
         let step = Step {
-            s: matter.s,
+            s: layers[0].s,
             slab,
             number,
             offsets: &offsets,
             radius: self.radius,
-            chroma: matter.chroma,
+            chroma: layers[0].chroma,
             in_scatter: settings.in_scatter,
             phase: self.phase,
             presence: presence.as_deref(),
@@ -180,14 +204,21 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
                     let before = touched[band * tiles + tile];
                     let asked = !cancelled()
                         && slab <= needed[band * tiles + tile]
-                        && (everywhere || bands[band].holds(number, tile) || near[band * tiles + tile]);
-                    (asked && step.pass(light, rows, &bands[band], [band * BAND, tile])) || before
+                        && (everywhere || bands[band].0.holds(number, tile) || near[band * tiles + tile]);
+                    (asked && step.pass(light, rows, &bands[band].0, [band * BAND, tile])) || before
                 };
                 (0..tiles).map(pass).collect()
             })
             .collect();
         *touched = found.concat();
     }
+}
+
+/// Weights of direct light that is scattered into the cone: of several layers, their mean.
+fn mean_into_cone(prepared: &[Prepared], settings: &HalfAngle) -> [f32; 3] {
+    let each = prepared.iter().map(|layer| into_cone(&layer.volume.scattering, settings));
+    let sum = each.reduce(|a, b| [0, 1, 2].map(|channel| a[channel] + b[channel])).unwrap_or_default();
+    sum.map(|weight| weight / prepared.len() as f32)
 }
 
 /// The rows of bands in a buffer of so many numbers per texel, with the padding beside them.
@@ -201,9 +232,9 @@ fn bands_of<'a>(
 }
 
 /// Marks where a slab holds something with 1, else 0; outside of the picture there is nothing.
-fn mark(bands: &[Band], presence: &mut [f32], shape: &Shape, number: usize) {
+fn mark(bands: &[(Band, Vec<Band>)], presence: &mut [f32], shape: &Shape, number: usize) {
     presence.fill(0.0);
-    bands_of(presence, shape, 1).zip(bands).for_each(|(rows, band)| {
+    bands_of(presence, shape, 1).zip(bands).for_each(|(rows, (band, _))| {
         for (row, texels) in rows.chunks_exact_mut(shape.stride).enumerate() {
             let opacities = band.opacities(number, row, &(0..shape.width));
             let direct = opacities.chunks_exact(opacities.len() / shape.width).map(|texel| texel[0]);

@@ -99,22 +99,22 @@ trait Look {
 fn sweep(stage: &Stage, settings: &HalfAngle, slabs: Option<usize>, look: &mut impl Look) {
     let mut cache = Cache::default();
     let stage = &Stage { technique: Technique::HalfAngle(settings.clone()), ..stage.clone() };
-    let prepared = Prepared::new(stage, 0, &mut cache).unwrap();
-    let geometry = Geometry::new(stage, prepared.grid(), settings, &stage.lights[0]).unwrap();
+    let layers = [Prepared::new(stage, 0, &mut cache).unwrap()];
+    let geometry = Geometry::new(stage, layers[0].grid(), settings, &stage.lights[0]).unwrap();
     let drawing = Drawing {
-        prepared: &prepared,
+        layers: &layers,
         settings,
         geometry: &geometry,
         light: &stage.lights[0],
         lights: 1,
         is_first: true,
-        lengths: super::Lengths::new(&prepared, geometry.ways).unwrap(),
+        lengths: vec![super::Lengths::new(&layers[0], geometry.ways).unwrap()],
     };
     fn run<S: Lanes>(s: S, drawing: &Drawing, slabs: Option<usize>, look: &mut impl Look) {
-        let field = drawing.prepared.any(drawing.prepared.sampler().unwrap());
-        let matter: Matter<S, Any<S>> = drawing.matter(s, &field);
-        let Drawing { prepared, settings, geometry, .. } = *drawing;
-        let mut sweep = Sweep::new(prepared, settings, geometry, matter, Seen::InMatter, || false).unwrap();
+        let Drawing { layers, settings, geometry, .. } = *drawing;
+        let field = layers[0].any(layers[0].sampler().unwrap());
+        let matter: Vec<Matter<S, Any<S>>> = vec![drawing.matter(s, 0, &field)];
+        let mut sweep = Sweep::new(layers, settings, geometry, matter, Seen::InMatter, || false).unwrap();
         for slab in 0..slabs.unwrap_or(drawing.geometry.slabs.count) {
             look.look(slab, &mut sweep, drawing.geometry);
             sweep.pass(slab..slab + 1, || false).unwrap();

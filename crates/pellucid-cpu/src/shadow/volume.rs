@@ -83,7 +83,8 @@ fn sweep<S: Lanes>(
         skip: prepared.grids.skip.as_ref(),
         varied: prepared.varied(),
     };
-    let mut light = Sweep::new(prepared, settings, geometry, matter, Seen::Everywhere, cancelled)?;
+    let mut light =
+        Sweep::new(std::slice::from_ref(prepared), settings, geometry, vec![matter], Seen::Everywhere, cancelled)?;
     let [nx, ny, _] = points.dims();
     let world = points.world_from_index();
     let mut values = vec![1.0f32; points.len()];

@@ -74,9 +74,13 @@ impl LightFrame {
         let texel = extent / DVec2::from_array(size.map(|n| (n - 1) as f64));
         let texel = texel.max(DVec2::splat(f64::MIN_POSITIVE));
         let low = low - texel / 2.0;
-        let mut frame = Self { origin, right, up, forward, is_directional, low, texel, size, rows: [[0.0; 4]; 3] };
-        frame.rows = frame.rows_of(grid);
-        Some(frame)
+        let frame = Self { origin, right, up, forward, is_directional, low, texel, size, rows: [[0.0; 4]; 3] };
+        Some(frame.on(grid))
+    }
+
+    /// The same picture for index positions of another grid.
+    pub fn on(&self, grid: &Grid) -> Self {
+        Self { rows: self.rows_of(grid), ..self.clone() }
     }
 
     /// Affine functions of the index position.

@@ -6,7 +6,7 @@ mod slabs;
 pub mod taps;
 
 use glam::{DAffine3, DVec3};
-use pellucid_field::Grid;
+use pellucid_field::{FieldError, Grid};
 use pellucid_optics::{Light, LightKind, Material, OpticsError, ResolvedLight, Scattering};
 use pellucid_scene::{HalfAngle, Stage, StageVolume};
 
@@ -69,9 +69,33 @@ pub fn material(stage: &Stage, volume: &StageVolume, settings: &HalfAngle, sweep
     (Material { emission: material.emission * share, ..material }, ambient)
 }
 
+/// What light and slabs of a stage are around: the grid of its volume or, where there are several, one over the box of
+/// all of them along the world's axes.
+///
+/// # Errors
+/// [`FieldError`] if there can be no such grid.
+pub fn around(stage: &Stage) -> Result<Grid, FieldError> {
+    /// Voxels along an axis: of what is larger, slabs need not be as thin as the smallest voxel.
+    const MOST: f64 = 65536.0;
+    if let [volume] = stage.volumes.as_slice() {
+        return Ok(*volume.volume.grid());
+    }
+    let grids = || stage.volumes.iter().map(|volume| volume.volume.grid());
+    let corners = || grids().flat_map(Grid::world_corners);
+    let (low, high) = (corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(DVec3::NEG_INFINITY, DVec3::max));
+    let spacing = grids().map(Grid::smallest_spacing).fold(f64::INFINITY, f64::min);
+    // Grids of several voxels along each axis have their corners in the outermost ones.
+    let cells = ((high - low) / spacing).ceil().clamp(DVec3::ONE, DVec3::splat(MOST));
+    let sides = ((high - low) / cells).max(DVec3::splat(spacing * 1e-3));
+    let dims = cells.to_array().map(|n| n as usize + 1);
+    Grid::with_affine(dims, DAffine3::from_translation(low) * DAffine3::from_scale(sides))
+}
+
 /// Where light and slabs are.
 #[derive(Clone, Debug)]
 pub struct Geometry {
+    /// The grid whose box they are around.
+    pub grid: Grid,
     /// The light's picture.
     pub frame: LightFrame,
     /// The slabs.
@@ -127,7 +151,7 @@ impl Geometry {
         };
         let steepest = rays.iter().map(|ray| ray.dot(axis)).fold(1.0, f64::min);
         let depth = thickness * slabs.count as f64;
-        Self { frame, slabs, ways, longest: thickness.min(depth) / steepest }
+        Self { grid: *grid, frame, slabs, ways, longest: thickness.min(depth) / steepest }
     }
 }
 

@@ -183,12 +183,12 @@ impl Technique {
     /// Whether it draws several volumes in one picture.
     pub fn merges_volumes(&self) -> bool {
         match self {
-            Self::RayCast(_) | Self::PathTrace(_) => true,
-            Self::Slicing(_) | Self::HalfAngle(_) => false,
+            Self::RayCast(_) | Self::HalfAngle(_) | Self::PathTrace(_) => true,
+            Self::Slicing(_) => false,
         }
     }
 
-    /// Whether a rule of overlap decides anything: rays that meet surfaces, and paths, meet all volumes.
+    /// Whether a rule of overlap decides anything: rays that meet surfaces, paths, and light on its way meet all volumes.
     pub fn heeds_overlap(&self) -> bool {
         match self {
             Self::RayCast(RayCast { mode }) => !matches!(mode, Mode::Isosurface(_)),
