@@ -19,7 +19,7 @@ use crate::surface::{Aim, Surface, Unlit, normals};
 use crate::vary::Varied;
 
 /// What is seen at samples.
-pub struct Sight<S: Lanes> {
+pub struct Glance<S: Lanes> {
     value: F32<S>,
     /// Associated colours of one step.
     pub one_step: [F32<S>; 4],
@@ -74,7 +74,7 @@ pub struct Eye<'a, S: Lanes, F> {
 impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
     /// What is seen at samples, before any light is on it; `None` if nothing is.
     #[inline(always)]
-    pub fn see(&self, passage: &Passage<S>, lanes: Mask<S>, light: &LightBuffer) -> Option<Sight<S>> {
+    pub fn see(&self, passage: &Passage<S>, lanes: Mask<S>, light: &LightBuffer) -> Option<Glance<S>> {
         let (s, index) = (self.s, &passage.index);
         let value = self.field.values(s, *index, lanes);
         let position = self.table.position(s, value);
@@ -101,21 +101,21 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
             }
             _ => None,
         };
-        Some(Sight { value, one_step, visible, through })
+        Some(Glance { value, one_step, visible, through })
     }
 
     /// What samples in slab k send to the eye, in the light that comes to them through what is `held` back there.
     #[inline(always)]
     pub fn lit(
         &self,
-        sight: &Sight<S>,
+        sight: &Glance<S>,
         held: &Held<S>,
         passage: &Passage<S>,
         (k, light): (usize, &LightBuffer),
         (aim, cut): (&Aim<S>, &Cut<S>),
     ) -> Element<S> {
         let s = self.s;
-        let (&Passage { place, index, ratio, .. }, &Sight { value, one_step, visible, .. }) = (passage, sight);
+        let (&Passage { place, index, ratio, .. }, &Glance { value, one_step, visible, .. }) = (passage, sight);
         let rgba = chroma::over_length(s, self.chroma.as_ref(), one_step, ratio);
         let arriving = self.arriving(light, &index, place - k as f32, held, k);
         let direct = chroma::each(s, self.chroma.as_ref(), arriving.direct);
@@ -146,7 +146,7 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
     /// What gets through half a slab of indirect light: what samples say or, where they say nothing, as much as of
     /// direct light.
     #[inline(always)]
-    pub fn half_through(&self, sight: &Sight<S>) -> [F32<S>; 3] {
+    pub fn half_through(&self, sight: &Glance<S>) -> [F32<S>; 3] {
         let s = self.s;
         sight.through.unwrap_or_else(|| {
             let through = part_through(s, splat(s, 1.0) - sight.one_step[3], splat(s, self.half));

@@ -75,6 +75,21 @@ impl FromStr for InstructionSet {
     }
 }
 
+/// The token of [`InstructionSet::Baseline`].
+macro_rules! baseline {
+    () => {{
+        let level = fearless_simd::Level::new();
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        let s = level.as_sse2().expect("every x86-64 processor has it");
+        #[cfg(target_arch = "aarch64")]
+        let s = level.as_neon().expect("every 64-bit Arm processor has it");
+        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+        let s = level.as_wasm_simd128().expect("compiled for it");
+        s
+    }};
+}
+pub(crate) use baseline;
+
 /// Runs an expression with the token of an available [`InstructionSet`]. It is compiled once per
 /// set: let it be a call of a generic function. (Unlike `fearless_simd::dispatch!` this leaves the
 /// token its type, so that it is [`Lanes`](super::Lanes).)
@@ -93,12 +108,7 @@ macro_rules! dispatch {
                 $body
             }
             _ => {
-                #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-                let $s = level.as_sse2().expect("every x86-64 processor has it");
-                #[cfg(target_arch = "aarch64")]
-                let $s = level.as_neon().expect("every 64-bit Arm processor has it");
-                #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-                let $s = level.as_wasm_simd128().expect("compiled for it");
+                let $s = $crate::lanes::baseline!();
                 $body
             }
         }

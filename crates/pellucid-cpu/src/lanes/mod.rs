@@ -11,7 +11,7 @@ mod math;
 pub use fearless_simd::prelude::*;
 pub use gather::Lanes;
 pub use level::InstructionSet;
-pub(crate) use level::dispatch;
+pub(crate) use level::{baseline, dispatch};
 pub use math::{Vec3, dot, extinction, lerp, opacity_of, opacity_over, power, within};
 
 /// An array of three, from an expression of the index. Not a closure: what runs on lanes has to be
