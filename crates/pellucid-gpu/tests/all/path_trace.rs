@@ -182,11 +182,12 @@ fn skies_follow_one_another() {
     for stage in &stages {
         assert_eq!(draw(&mut renderer, stage).color, draw(&mut gpu(&Ceiling::default()), stage).color);
     }
-    // The memory of a picture counts, and so does how much of it a shader can be given.
+    // The memory of a picture counts, and so does how large a texture can be.
     let little = gpu(&Ceiling { memory: Some(4 << 20), ..Ceiling::default() });
     let mut device = device(&Ceiling::default());
-    device.capabilities.limits.max_storage_buffer_binding_size = 2 << 20;
-    for (mut renderer, allowed) in [(little, 4 << 20), (GpuRenderer::on(device), 2 << 20)] {
+    // Of 512 x 512 texels, 16 bytes each.
+    device.capabilities.limits.max_texture_dimension_2d = 512;
+    for (mut renderer, allowed) in [(little, 4 << 20), (GpuRenderer::on(device), 512 * 512 * 16)] {
         draw(&mut renderer, &stages[0]);
         let error = renderer.render(&under(plain(), lamp(1024, 512)), &Control::default()).unwrap_err();
         let is_told = matches!(error, GpuError::Budget { needed, budget, .. } if needed > 8 << 20 && budget == allowed);
