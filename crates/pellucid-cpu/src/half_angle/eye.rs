@@ -19,7 +19,7 @@ use crate::surface::{Aim, Surface, Unlit, normals};
 use crate::vary::Varied;
 
 /// What is seen at samples.
-pub struct Glance<S: Lanes> {
+pub struct ClassifiedSample<S: Lanes> {
     value: F32<S>,
     /// Associated colours of one step.
     pub one_step: [F32<S>; 4],
@@ -30,7 +30,7 @@ pub struct Glance<S: Lanes> {
 }
 
 /// What holds light back on its way through a slab to a sample: all that is there.
-pub struct Held<S: Lanes> {
+pub struct Attenuation<S: Lanes> {
     /// Opacity of one step.
     pub alpha: F32<S>,
     /// What gets through of indirect light over half of the slab, where most samples are, if that is something else.
@@ -74,7 +74,7 @@ pub struct Eye<'a, S: Lanes, F> {
 impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
     /// What is seen at samples, before any light is on it; `None` if nothing is.
     #[inline(always)]
-    pub fn see(&self, passage: &Passage<S>, lanes: Mask<S>, light: &LightBuffer) -> Option<Glance<S>> {
+    pub fn see(&self, passage: &Passage<S>, lanes: Mask<S>, light: &LightBuffer) -> Option<ClassifiedSample<S>> {
         let (s, index) = (self.s, &passage.index);
         let value = self.field.values(s, *index, lanes);
         let position = self.table.position(s, value);
@@ -101,21 +101,22 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
             }
             _ => None,
         };
-        Some(Glance { value, one_step, visible, through })
+        Some(ClassifiedSample { value, one_step, visible, through })
     }
 
     /// What samples in slab k send to the eye, in the light that comes to them through what is `held` back there.
     #[inline(always)]
     pub fn lit(
         &self,
-        sight: &Glance<S>,
-        held: &Held<S>,
+        sight: &ClassifiedSample<S>,
+        held: &Attenuation<S>,
         passage: &Passage<S>,
         (k, light): (usize, &LightBuffer),
         (aim, cut): (&Aim<S>, &Cut<S>),
     ) -> Element<S> {
         let s = self.s;
-        let (&Passage { place, index, ratio, .. }, &Glance { value, one_step, visible, .. }) = (passage, sight);
+        let (&Passage { place, index, ratio, .. }, &ClassifiedSample { value, one_step, visible, .. }) =
+            (passage, sight);
         let rgba = chroma::over_length(s, self.chroma.as_ref(), one_step, ratio);
         let arriving = self.arriving(light, &index, place - k as f32, held, k);
         let direct = chroma::each(s, self.chroma.as_ref(), arriving.direct);
@@ -146,7 +147,7 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
     /// What gets through half a slab of indirect light: what samples say or, where they say nothing, as much as of
     /// direct light.
     #[inline(always)]
-    pub fn half_through(&self, sight: &Glance<S>) -> [F32<S>; 3] {
+    pub fn half_through(&self, sight: &ClassifiedSample<S>) -> [F32<S>; 3] {
         let s = self.s;
         sight.through.unwrap_or_else(|| {
             let through = part_through(s, splat(s, 1.0) - sight.one_step[3], splat(s, self.half));
@@ -197,7 +198,7 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
         light: &LightBuffer,
         index: &Vec3<S>,
         part: F32<S>,
-        &Held { alpha, through }: &Held<S>,
+        &Attenuation { alpha, through }: &Attenuation<S>,
         k: usize,
     ) -> Light<S> {
         let (s, one) = (self.s, splat(self.s, 1.0));

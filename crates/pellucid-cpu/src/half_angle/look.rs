@@ -8,7 +8,7 @@ use pellucid_scene::{Overlap, Stage};
 
 use super::buffer::LightBuffer;
 use super::crossing::{Crossing, Crossings, Passage, UNASKED};
-use super::eye::{Eye, Held};
+use super::eye::{Attenuation, Eye};
 use crate::chroma;
 use crate::cut::Cut;
 use crate::element::Element;
@@ -89,7 +89,7 @@ fn slabs_of(crossings: &[Crossing]) -> Range<usize> {
 }
 
 /// What the eye looks at: one volume, or the layers of a picture.
-pub struct Looked<'a, S: Lanes, F> {
+pub struct EyeLayers<'a, S: Lanes, F> {
     /// The layers.
     pub layers: Vec<Eye<'a, S, F>>,
     /// Opacity at which a ray ends.
@@ -97,20 +97,20 @@ pub struct Looked<'a, S: Lanes, F> {
 }
 
 /// What is seen of a slab.
-struct Glimpse<S: Lanes> {
+struct SlabElement<S: Lanes> {
     /// Coordinates of the samples.
     place: F32<S>,
     element: Element<S>,
 }
 
 /// A ray in a layer.
-struct Sightline<S: Lanes> {
+struct LayerRay<S: Lanes> {
     rays: Crossings<S>,
     aim: Aim<S>,
     cut: Cut<S>,
 }
 
-impl<S: Lanes, F: Field<S>> Looked<'_, S, F> {
+impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
     /// Looks at a run of slabs, each lit by what has come to it.
     pub fn look(&self, packets: &mut [EyePacket], run: Range<usize>, lights: &[LightBuffer], tally: &mut Tally) {
         self.first().s.vectorize(
@@ -139,7 +139,7 @@ impl<S: Lanes, F: Field<S>> Looked<'_, S, F> {
         for (eye, crossing) in self.layers.iter().zip(&packet.crossings) {
             let rays = Crossings::new(s, crossing);
             let cut = eye.cut(&rays, backward);
-            lines.push(Sightline { rays, aim: eye.surface.aim(s, to_eye), cut });
+            lines.push(LayerRay { rays, aim: eye.surface.aim(s, to_eye), cut });
         }
         let mut color = rgba!(C => load(s, &packet.color[C]));
         let [mut half, mut samples] = [load(s, &packet.half), load(s, &packet.samples)];
@@ -167,9 +167,9 @@ impl<S: Lanes, F: Field<S>> Looked<'_, S, F> {
                         eye.see(&passage, lanes, light.1).map(
                             #[inline(always)]
                             |sight| {
-                                let held = Held { alpha: sight.one_step[3], through: sight.through };
+                                let held = Attenuation { alpha: sight.one_step[3], through: sight.through };
                                 let element = eye.lit(&sight, &held, &passage, light, (&line.aim, &line.cut));
-                                Glimpse { place: passage.place, element }
+                                SlabElement { place: passage.place, element }
                             },
                         )
                     }
@@ -179,7 +179,7 @@ impl<S: Lanes, F: Field<S>> Looked<'_, S, F> {
                         seen
                     }
                 };
-                let Some(Glimpse { place, element: Element { rgba, visible } }) = seen else { continue };
+                let Some(SlabElement { place, element: Element { rgba, visible } }) = seen else { continue };
                 tally.visible += count::<S>(visible);
                 // In front of what is there (over), or behind it (under).
                 let front = rgba!(C => backward.select(rgba[C], color[C]));
@@ -205,7 +205,7 @@ impl<S: Lanes, F: Field<S>> Looked<'_, S, F> {
 
     /// How many slabs from slab k on, itself included, certainly add nothing in any layer.
     #[inline(always)]
-    fn leap(&self, lines: &[Sightline<S>], k: usize) -> usize {
+    fn leap(&self, lines: &[LayerRay<S>], k: usize) -> usize {
         let mut least = usize::MAX;
         for (eye, line) in self.layers.iter().zip(lines) {
             let Some(skip) = eye.skip else { return 0 };
@@ -226,10 +226,10 @@ impl<S: Lanes, F: Field<S>> Looked<'_, S, F> {
     #[inline(never)]
     fn together(
         &self,
-        lines: &[Sightline<S>],
+        lines: &[LayerRay<S>],
         open: Mask<S>,
         light: (usize, &LightBuffer),
-    ) -> (Mask<S>, Option<Glimpse<S>>) {
+    ) -> (Mask<S>, Option<SlabElement<S>>) {
         let s = self.first().s;
         s.vectorize(
             #[inline(always)]
@@ -257,14 +257,14 @@ impl<S: Lanes, F: Field<S>> Looked<'_, S, F> {
                     }
                     through = Some(product);
                 }
-                let (held, mut place) = (Held { alpha: one - left, through }, splat(s, 0.0));
+                let (held, mut place) = (Attenuation { alpha: one - left, through }, splat(s, 0.0));
                 let mut elements = Vec::with_capacity(sights.len());
                 for (eye, line, passage, sight) in &sights {
                     elements.push(eye.lit(sight, &held, passage, light, (&line.aim, &line.cut)));
                     place = sight.visible.select(passage.place, place);
                 }
                 let element = merged(s, Overlap::Add, &elements);
-                (met, element.visible.any_true().then_some(Glimpse { place, element }))
+                (met, element.visible.any_true().then_some(SlabElement { place, element }))
             },
         )
     }

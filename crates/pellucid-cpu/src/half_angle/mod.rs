@@ -47,7 +47,7 @@ use crate::tiles::{Tile, Tiles};
 
 use eye::Eye;
 pub use lengths::Lengths;
-use look::{EyePacket, Looked};
+use look::{EyeLayers, EyePacket};
 pub use matter::Matter;
 pub use sweep::Sweep;
 pub use work::Seen;
@@ -139,7 +139,7 @@ impl<S: Lanes> EyeSweep<'_, S> {
         let stage = layers[0].stage;
         let each = || (0..layers.len()).zip(fields);
         let eyes = each().map(|(number, field)| drawing.eye(s, number, field)).collect();
-        let eye = Looked { layers: eyes, early_termination: stage.quality.early_termination };
+        let eye = EyeLayers { layers: eyes, early_termination: stage.quality.early_termination };
         let cancelled = || control.is_cancelled();
         let matter = each().map(|(number, field)| drawing.matter(s, number, field)).collect();
         let mut light = Sweep::new(layers, settings, geometry, matter, Seen::InMatter, cancelled)?;

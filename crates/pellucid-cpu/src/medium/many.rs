@@ -34,18 +34,24 @@ impl<S: Lanes> Integrator for Many<'_, S> {
             #[inline(always)]
             || {
                 let group = self.layers.len() + 1;
-                let mut followed: Vec<Journey<S>> = Vec::with_capacity(traced.len());
+                let mut followed: Vec<FollowedLayers<S>> = Vec::with_capacity(traced.len());
                 for packets in wave.chunks_exact(group) {
                     let ways = Ways::of_eye(s, packets, &self.layers, self.step);
                     let (progress, counter) = (ways.start(s), Counter::new(s));
-                    followed.push(Journey { ways, progress, counter, ray: self.accumulation.start(s), open: true });
+                    followed.push(FollowedLayers {
+                        ways,
+                        progress,
+                        counter,
+                        ray: self.accumulation.start(s),
+                        open: true,
+                    });
                 }
                 while followed.iter().any(|packet| packet.open) {
                     for packet in followed.iter_mut().filter(|packet| packet.open) {
                         packet.open = self.run(packet);
                     }
                 }
-                for (Journey { ways, ray, counter, .. }, traced) in followed.into_iter().zip(traced) {
+                for (FollowedLayers { ways, ray, counter, .. }, traced) in followed.into_iter().zip(traced) {
                     self.accumulation.finish(
                         s,
                         &ray,
@@ -61,7 +67,7 @@ impl<S: Lanes> Integrator for Many<'_, S> {
 }
 
 /// A packet on its way.
-struct Journey<S: Lanes> {
+struct FollowedLayers<S: Lanes> {
     ways: Ways<S>,
     progress: Progress<S>,
     counter: Counter<S>,
@@ -72,7 +78,7 @@ struct Journey<S: Lanes> {
 impl<S: Lanes> Many<'_, S> {
     /// Goes on with a packet for a run. Returns whether there is more.
     #[inline(always)]
-    fn run(&self, Journey { ways, progress, counter, ray, .. }: &mut Journey<S>) -> bool {
+    fn run(&self, FollowedLayers { ways, progress, counter, ray, .. }: &mut FollowedLayers<S>) -> bool {
         ways.run(
             self.s,
             progress,
