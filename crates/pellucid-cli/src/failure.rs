@@ -140,7 +140,7 @@ impl From<RenderError> for Failure {
     fn from(error: RenderError) -> Self {
         match error {
             RenderError::Cancelled => Self::cancelled(),
-            RenderError::Gpu(GpuError::Unsupported { .. }) => Self::input(error),
+            RenderError::Gpu(GpuError::Unsupported { .. } | GpuError::Volumes { .. }) => Self::input(error),
             RenderError::Cpu(pellucid::cpu::RenderError::Threads(_) | pellucid::cpu::RenderError::Memory(_))
             | RenderError::Gpu(_) => Self::work(error),
             _ => Self::input(error),

@@ -203,12 +203,9 @@ impl GpuRenderer {
         }
         self.light = None;
         let encoding = Encoding::of(volume, &self.device.capabilities);
-        for held in &mut self.volumes {
-            if let Some(resident) = &mut held.resident {
-                if resident.update(&self.device, volume, &encoding, part)? {
-                    return Ok(());
-                }
-                held.resident = None;
+        for resident in self.volumes.iter_mut().filter_map(|held| held.resident.as_mut()) {
+            if resident.update(&self.device, volume, &encoding, part)? {
+                break;
             }
         }
         Ok(())

@@ -339,12 +339,12 @@ fn on<R: Send>(threads: &Option<Threads>, work: impl FnOnce() -> R + Send) -> R 
     }
 }
 
-/// Whether an adapter failed that was there, over a stage that the processor can draw.
+/// Whether an adapter failed that was there, or has too little room, over a stage that the processor can draw.
 #[cfg(feature = "gpu")]
 fn gives_out(error: &pellucid_gpu::GpuError, stage: &Stage) -> bool {
     use pellucid_gpu::GpuError;
-    matches!(error, GpuError::Lost { .. } | GpuError::Memory { .. } | GpuError::Budget { .. })
-        && CpuRenderer::draws(stage)
+    let too_much = matches!(error, GpuError::Memory { .. } | GpuError::Budget { .. } | GpuError::Volumes { .. });
+    (too_much || matches!(error, GpuError::Lost { .. })) && CpuRenderer::draws(stage)
 }
 
 /// A renderer on the best graphics hardware.

@@ -105,6 +105,20 @@ fn the_processor_stands_in_for_what_the_adapter_lacks() {
 }
 
 #[test]
+fn the_processor_stands_in_where_a_pass_takes_fewer_volumes() {
+    let one = stage(&folder().join("composite-tubes.toml")).1;
+    let mut many = Stage { volumes: vec![one.volumes[0].clone(); 12], ..one };
+    (many.viewpoint.width, many.viewpoint.height) = (many.viewpoint.width / 8, many.viewpoint.height / 8);
+    let least = || gpu(&Ceiling { guaranteed: true, ..Ceiling::default() });
+    let frame = Renderer::from(least()).with_stand_in(CpuRenderer::new()).render(&many, &Control::default()).unwrap();
+    let [RenderWarning::Fallback { reason }] = &frame.warnings[..] else { panic!("{:?}", frame.warnings) };
+    assert!(reason.contains("12 volumes"), "{reason}");
+    assert_eq!(frame.color, draw(&many).color);
+    let told = Renderer::from(least()).render(&many, &Control::default()).unwrap_err();
+    assert!(told.to_string().contains("12 volumes"), "{told}");
+}
+
+#[test]
 fn the_processor_stands_in_for_an_adapter_that_gives_out() {
     let (_, stage) = stage(&folder().join("composite-bone.toml"));
     let expected = draw(&stage);
