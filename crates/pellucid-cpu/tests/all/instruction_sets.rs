@@ -6,7 +6,8 @@ use pellucid_cpu::{CpuRenderer, InstructionSet};
 use pellucid_field::VoxelType;
 use pellucid_optics::{Frame as LightFrame, Light, LightKind, Material};
 use pellucid_scene::{
-    Classification, Combine, Control, Frame, Isosurface, Jitter, Mode, Orbit, Projection, Quality, Slice, Stage,
+    Classification, Combine, Control, Frame, HalfAngle, Isosurface, Jitter, Mode, Orbit, Projection, Quality, Slice,
+    Stage, Technique,
 };
 
 /// The largest difference of a channel between two sets: products are fused in some and not in all.
@@ -101,6 +102,21 @@ fn every_set_draws_holes_alike() {
                 let found = different(&frame, &baseline);
                 assert!(found <= 2, "{set} and baseline: {found} pixels, {voxel_type} {mode:?} {classification:?}");
             }
+        }
+    }
+}
+
+/// Light that passes slabs, with and without what it scatters.
+#[test]
+fn every_set_sends_half_angle_light_alike() {
+    for indirect in [0.0, 0.7] {
+        let mut stage = case(VoxelType::U8, [11, 9, 10], 0.0).stage(&Mode::Composite, Classification::Post, true);
+        stage.technique = Technique::HalfAngle(HalfAngle { resolution: 48, indirect, ..HalfAngle::default() });
+        let baseline = draw(InstructionSet::Baseline, &stage).unwrap();
+        assert!(baseline.color.iter().any(|color| color[0] > 0.05), "{indirect}: nothing is seen");
+        for set in [InstructionSet::Avx2, InstructionSet::Avx512] {
+            let Some(frame) = draw(set, &stage) else { continue };
+            assert_eq!(different(&frame, &baseline), 0, "{set} and baseline, {indirect}");
         }
     }
 }
