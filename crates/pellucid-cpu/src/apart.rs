@@ -1,7 +1,7 @@
 //! Several volumes whose rays are followed one volume after the other, and merged where all is known of them: by modes
 //! whose samples have no order, and by surfaces, which have their distances.
 
-use pellucid_scene::Overlap;
+use pellucid_plan::Merging;
 
 use crate::element::Element;
 use crate::integrator::{Counter, Integrator, Tally, Traced};
@@ -17,9 +17,7 @@ pub struct Apart<'a, S> {
     /// The projections of each.
     pub layers: Vec<Box<dyn Integrator + 'a>>,
     /// How they are merged.
-    pub overlap: Overlap,
-    /// Whether their light adds up, where all that overlaps is drawn: what shows values, not matter.
-    pub adds: bool,
+    pub merging: Merging,
     /// Of the lattice, in world units.
     pub step: f64,
 }
@@ -72,11 +70,12 @@ impl<S: Lanes> Apart<'_, S> {
             normal = xyz!(I => best.select(load(s, &found.normal[I]), normal[I]));
             elements.push(Element { rgba, visible: rgba[3].simd_gt(zero) });
         }
-        let color = if self.adds && self.overlap == Overlap::Add {
-            [sum[0], sum[1], sum[2], splat(s, 1.0) - through]
-        } else {
-            let Element { rgba, visible } = merged(s, self.overlap, &elements);
-            rgba!(C => visible.select(rgba[C], zero))
+        let color = match self.merging {
+            Merging::Sum => [sum[0], sum[1], sum[2], splat(s, 1.0) - through],
+            Merging::Overlap(overlap) => {
+                let Element { rgba, visible } = merged(s, overlap, &elements);
+                rgba!(C => visible.select(rgba[C], zero))
+            }
         };
         traced.set_color::<S>(color);
         traced.set_surface(s, depth.is_finite(), depth, normal);

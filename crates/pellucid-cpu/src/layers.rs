@@ -1,8 +1,8 @@
 //! A stage with several volumes: each is made ready by itself, and all are drawn together.
 
 use pellucid_field::Sampler;
-use pellucid_plan::merge_order;
-use pellucid_scene::{Mode, Overlap, Stage};
+use pellucid_plan::{Merging, merge_order};
+use pellucid_scene::{Mode, Stage};
 
 use crate::RenderError;
 use crate::apart::{Apart, Isosurfaced};
@@ -66,7 +66,7 @@ impl<'s> Layers<'s> {
             Mode::Composite => {
                 let layer = |(prepared, sampler): (&'a Prepared, &Sampler<'a>)| {
                     let surface = prepared.surface(|| self.shadow(s, prepared, samplers));
-                    prepared.with_any_medium(s, sampler.clone(), surface, AsLayer)
+                    prepared.with_medium(s, sampler.clone(), surface, AsLayer)
                 };
                 let accumulation = self.each[0].accumulation();
                 let (layers, overlap) = (layers().map(layer).collect(), stage.overlap);
@@ -81,13 +81,10 @@ impl<'s> Layers<'s> {
                 let early_termination = stage.quality.early_termination;
                 Box::new(Isosurfaced { s, layers: layers().map(surfaces).collect(), step, early_termination })
             }
-            mode => {
+            _ => {
                 let projection =
                     |(prepared, sampler): (&'a Prepared, &Sampler<'a>)| prepared.projection(s, sampler.clone());
-                let (layers, adds) = (layers().map(projection).collect(), *mode != Mode::XRay);
-                // Light without matter overlaps with nothing.
-                let overlap = if *mode == Mode::Additive { Overlap::Add } else { stage.overlap };
-                Box::new(Apart { s, layers, overlap, adds, step })
+                Box::new(Apart { s, layers: layers().map(projection).collect(), merging: Merging::of(stage), step })
             }
         }
     }

@@ -40,14 +40,14 @@ fn added<S: Lanes>(s: S, elements: &[Element<S>]) -> Element<S> {
     if !several.any_true() {
         return only;
     }
-    let (mut depth, mut color) = (zero, [zero; 3]);
+    let (mut depth, mut alpha, mut color) = (zero, zero, [zero; 3]);
     for Element { rgba, visible } in elements {
         let own_depth = visible.select(extinction(s, rgba[3].min(splat(s, OPAQUE))), zero);
         let straight = own_depth / visible.select(rgba[3], one);
         depth += own_depth;
+        alpha = visible.select((one - alpha).mul_add(rgba[3], alpha), alpha);
         color = xyz!(C => visible.select(rgba[C].mul_add(straight, color[C]), color[C]));
     }
-    let alpha = opacity_of(s, depth);
     let share = alpha / several.select(depth, one);
     let [r, g, b] = xyz!(C => color[C] * share);
     let together = [r, g, b, alpha];

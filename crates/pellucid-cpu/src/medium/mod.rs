@@ -36,8 +36,9 @@ pub trait Layer<S: Lanes>: Sync {
     /// What light needs of the eye's rays, if samples are lit.
     fn aim(&self, packet: &Packet, rays: &Rays<S>) -> Option<Beam<S>>;
 
-    /// How many steps from index positions on nothing can be seen, or a little less.
-    fn leap(&self, index: &Vec3<S>, inverse: &Vec3<S>) -> F32<S>;
+    /// How many of the lattice's pieces from nodes on certainly show nothing, where no border cuts them: the nodes are so
+    /// far from where rays enter the layer, and samples lie where `jitter` says.
+    fn clear(&self, rays: &Rays<S>, node: F32<S>, jitter: F32<S>) -> F32<S>;
 
     /// Writes down what pieces of rays in it send to the eye, over their own length: into every `stride`-th place.
     fn look(&self, span: &Span<S>, run: &Run<S>, found: (&mut [Element<S>], usize));

@@ -146,16 +146,6 @@ impl<S: Lanes, F: Field<S>, V: Vary> OneGrid<'_, S, F, Integrals<'_, V>> {
 /// Of optics of segments, as one of several layers.
 pub struct Segmented<M>(pub M);
 
-impl<S: Lanes, F: Field<S>, O> OneGrid<'_, S, F, O> {
-    #[inline(always)]
-    fn way(&self, index: &Vec3<S>, inverse: &Vec3<S>) -> F32<S> {
-        match self.skip {
-            Some(skip) => skip.way(self.s, index, inverse),
-            None => splat(self.s, 0.0),
-        }
-    }
-}
-
 /// Behind one virtual call for a packet, entered with the instruction set switched on.
 impl<S: Lanes, F: Field<S>, C: Classify<S>> Layer<S> for OneGrid<'_, S, F, C> {
     fn aim(&self, packet: &Packet, rays: &Rays<S>) -> Option<Beam<S>> {
@@ -165,10 +155,11 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> Layer<S> for OneGrid<'_, S, F, C> {
         )
     }
 
-    fn leap(&self, index: &Vec3<S>, inverse: &Vec3<S>) -> F32<S> {
+    fn clear(&self, rays: &Rays<S>, node: F32<S>, jitter: F32<S>) -> F32<S> {
+        let Some(skip) = self.skip else { return splat(self.s, 0.0) };
         self.s.vectorize(
             #[inline(always)]
-            || self.way(index, inverse),
+            || skip.clear(self.s, &rays.at(node + jitter), &rays.inverse),
         )
     }
 
@@ -182,12 +173,16 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> Layer<S> for OneGrid<'_, S, F, C> {
                     span,
                     found,
                     #[inline(always)]
+                    |index| self.field.prefetch(s, index),
+                    #[inline(always)]
                     |piece| self.sample::<true>(beam, &piece.sample),
                 ),
                 None => run.each(
                     s,
                     span,
                     found,
+                    #[inline(always)]
+                    |index| self.field.prefetch(s, index),
                     #[inline(always)]
                     |piece| self.sample::<false>(beam, &piece.sample),
                 ),
@@ -211,10 +206,12 @@ impl<S: Lanes, F: Field<S>, V: Vary> Layer<S> for Segmented<OneGrid<'_, S, F, In
         )
     }
 
-    fn leap(&self, index: &Vec3<S>, inverse: &Vec3<S>) -> F32<S> {
+    fn clear(&self, rays: &Rays<S>, node: F32<S>, _: F32<S>) -> F32<S> {
+        let Some(skip) = self.0.skip else { return splat(self.0.s, 0.0) };
+        // Both ends of segments count.
         self.0.s.vectorize(
             #[inline(always)]
-            || self.0.way(index, inverse),
+            || skip.way(self.0.s, &rays.at(node), &rays.inverse).floor(),
         )
     }
 
@@ -227,6 +224,8 @@ impl<S: Lanes, F: Field<S>, V: Vary> Layer<S> for Segmented<OneGrid<'_, S, F, In
                     s,
                     span,
                     found,
+                    #[inline(always)]
+                    |index| medium.field.prefetch(s, index),
                     #[inline(always)]
                     |Piece { sample: Sample { ratio, lanes, .. }, ends: [from, to] }| {
                         let front = medium.field.values(s, rays.at(*from), *lanes);

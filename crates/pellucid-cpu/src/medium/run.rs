@@ -91,17 +91,25 @@ impl<S: Lanes> Run<S> {
     }
 
     /// Writes down what pieces in a layer send to the eye, as `look` tells of each: into every `stride`-th place.
+    /// `prefetch` hears of positions that come next.
     #[inline(always)]
     pub fn each(
         &self,
         s: S,
         span: &Span<S>,
         (found, stride): (&mut [Element<S>], usize),
+        prefetch: impl Fn(Vec3<S>),
         mut look: impl FnMut(&Piece<S>) -> Option<Element<S>>,
     ) {
         for (number, place) in found.iter_mut().step_by(stride).take(self.count).enumerate() {
             let piece = self.piece(s, span, number);
-            let element = if piece.sample.lanes.any_true() { look(&piece) } else { None };
+            let mut element = None;
+            if piece.sample.lanes.any_true() {
+                if number % 2 == 0 {
+                    prefetch(span.rays.at(piece.sample.distance + RUN as f32));
+                }
+                element = look(&piece);
+            }
             *place = element.unwrap_or(Element::nothing(s));
         }
     }

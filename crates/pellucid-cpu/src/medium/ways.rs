@@ -161,28 +161,28 @@ impl<S: Lanes> Ways<S> {
         )
     }
 
-    /// The last node before which nothing can be seen, or the distance itself.
+    /// The last node before which nothing can be seen and no layer begins or ends, or the distance itself.
     #[inline(never)]
     fn leap(&self, s: S, layers: &[Box<dyn Layer<S> + '_>], mut distance: F32<S>, open: Mask<S>) -> F32<S> {
         s.vectorize(
             #[inline(always)]
             || loop {
-                let far = splat(s, f32::INFINITY);
-                let mut clear = far;
-                for (Span { rays, ends: [start, end], .. }, layer) in self.spans.iter().zip(layers) {
-                    let ahead = distance.simd_lt(*start);
-                    let inside = open & !ahead & distance.simd_lt(*end);
-                    let mut to = ahead.select(*start, far);
+                let mut clear = self.length;
+                for (span, layer) in self.spans.iter().zip(layers) {
+                    let [start, end] = span.ends;
+                    // Samples of pieces that a border cuts are elsewhere.
+                    clear = distance.simd_lt(end).select(clear.min(end), clear);
+                    let ahead = distance.simd_lt(start);
+                    clear = ahead.select(clear.min(start), clear);
+                    let inside = open & !ahead & distance.simd_lt(end);
                     if inside.any_true() {
-                        let within = inside.select(distance - *start, splat(s, 0.0));
-                        let own = distance + layer.leap(&rays.at(within), &rays.inverse);
-                        to = inside.select(own, to);
+                        let node = inside.select(distance - start, splat(s, 0.0));
+                        let own = distance + layer.clear(&span.rays, node, self.jitter);
+                        clear = inside.select(clear.min(own), clear);
                     }
-                    clear = clear.min(to);
                 }
-                // A ray that has left all layers, or passes between two.
-                let node = clear.min(self.length).floor();
-                let further = open & node.simd_gt(distance);
+                let node = clear.floor();
+                let further = open & node.simd_gt(distance) & distance.simd_eq(distance.floor());
                 if !further.any_true() {
                     return distance;
                 }

@@ -341,6 +341,31 @@ fn skipping_tiles_and_threads_change_no_bit() {
     }
 }
 
+/// Samples lie elsewhere in pieces that borders cut, and anywhere where they are jittered.
+#[test]
+fn skipping_knows_where_samples_are() {
+    let classifications = [Classification::Post, Classification::Pre, Classification::PreIntegrated];
+    for (classification, jitter) in classifications.into_iter().flat_map(|how| [(how, false), (how, true)]) {
+        for (azimuth, step) in [(0.0, 1.0), (90.0, 0.7), (31.0, 2.3), (200.0, 0.31)] {
+            let draw = |skipping| {
+                render(&stage(&three(), |scene| {
+                    scene.quality.empty_space_skipping = skipping;
+                    scene.quality.classification = classification;
+                    scene.quality.step = step;
+                    if jitter {
+                        scene.quality.jitter = Jitter::BlueNoise { seed: 5 };
+                    }
+                    scene.camera.view = View::Orbit(Orbit { azimuth, elevation: azimuth / 5.0, ..Orbit::default() });
+                }))
+            };
+            let (skipped, whole) = (draw(true), draw(false));
+            same(&skipped, &whole, &format!("{classification:?}, {jitter}, {azimuth}, {step}, without skipping"));
+            let [some, all] = [&skipped, &whole].map(|frame| frame.statistics.samples);
+            assert!(some < all - all / 25, "hardly anything is skipped: {some} of {all} samples are taken");
+        }
+    }
+}
+
 /// A volume without opacity, within the box of another or far from it, takes nothing and adds nothing.
 #[test]
 fn what_is_not_seen_changes_nothing() {
