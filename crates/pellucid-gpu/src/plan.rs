@@ -9,6 +9,7 @@ use crate::optics::Optics;
 use crate::staging::Staging;
 use crate::targets::Targets;
 use crate::texture::{Layout, Source};
+use crate::uniforms::STATE_BYTES;
 use crate::{Device, GpuError};
 
 /// The memory of a frame, in bytes, and what had to be done to make it fit.
@@ -72,7 +73,9 @@ impl MemoryPlan {
         let tables = frame_bytes + optics.table_bytes() + 4 * (pellucid_plan::BLUE_NOISE_TILE as u64).pow(2);
         let blocks = optics.block_bytes();
         let voxel_bytes: usize = sources.iter().map(|source| source.encoding.bytes).sum();
-        let row = width * (Targets::PIXEL_BYTES + pixel_bytes);
+        // Rays that are followed through volumes apart have a state in each.
+        let states = if optics.pass.is_apart() { stage.volumes.len() as u64 } else { 1 };
+        let row = width * (Targets::PIXEL_BYTES + (states - 1) * STATE_BYTES + pixel_bytes);
         let dims = volume.volume.grid().dims();
         let advice = "allow more memory or draw a narrower picture";
         let fixed = tables
@@ -88,7 +91,7 @@ impl MemoryPlan {
             return Err(GpuError::Budget { what, needed: fixed, budget, advice });
         };
         // One row is paid for; more of them and larger buffers make it faster.
-        let wanted = (Self::MOST_PIXELS / width).clamp(1, height);
+        let wanted = (Self::MOST_PIXELS / states / width).clamp(1, height);
         let whole = dims.iter().map(|&n| n as u64).product::<u64>() * voxel_bytes as u64;
         let roomy = (wanted - 1) * row + Staging::WANTED;
         let side = device.capabilities.limits.max_texture_dimension_3d as usize;

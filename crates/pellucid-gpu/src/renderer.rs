@@ -379,7 +379,8 @@ fn lacks_of_layers(stage: &Stage) -> Option<String> {
             let merges = casts && stage.overlap != Overlap::Add;
             merges.then(|| "lighting.shadows between volumes whose overlap is not add".to_owned())
         }
-        (Technique::RayCast(_), _) => Some(format!("{count} volumes in one projection, slice or isosurface")),
+        (Technique::RayCast(_), Mode::Isosurface(_)) => Some(format!("isosurfaces of {count} volumes")),
+        (Technique::RayCast(_), _) => None,
         _ => Some(format!("{count} volumes in one picture by {name}")),
     }
 }

@@ -1,8 +1,10 @@
 //! What a band of the picture is drawn into, and how it comes back.
 
+use std::num::NonZeroU64;
+
 use bytemuck::cast_slice;
 use pellucid_scene::Frame as Picture;
-use wgpu::{Buffer, BufferDescriptor, BufferUsages, CommandEncoder, MapMode};
+use wgpu::{BindingResource, Buffer, BufferBinding, BufferDescriptor, BufferUsages, CommandEncoder, MapMode};
 
 use crate::uniforms::{ChromaticPixel, Pixel, STATE_BYTES};
 use crate::{Device, GpuError};
@@ -17,8 +19,10 @@ pub struct Targets {
     /// Whether it is told of each colour what is held back.
     chromatic: bool,
     room: u64,
-    /// A ray's state per pixel.
-    pub states: Buffer,
+    /// In how many volumes rays are followed apart.
+    volumes: u64,
+    /// A ray's state per pixel, one volume after the other.
+    states: Buffer,
     /// Pixels.
     pub pixels: Buffer,
     copied: Buffer,
@@ -28,8 +32,12 @@ impl Targets {
     /// Bytes per pixel of a band.
     pub const PIXEL_BYTES: u64 = STATE_BYTES + 2 * size_of::<ChromaticPixel>() as u64;
 
+    /// States of so many volumes begin where they can be bound.
+    const ALIGNMENT: u64 = 256 / STATE_BYTES;
+
     /// Room for a number of pixels.
-    fn new(device: &Device, count: u64) -> Self {
+    fn new(device: &Device, count: u64, volumes: u64) -> Self {
+        let count = count.next_multiple_of(Self::ALIGNMENT);
         let buffer = |label, bytes: u64, usage| {
             let descriptor =
                 BufferDescriptor { label: Some(label), size: count * bytes, usage, mapped_at_creation: false };
@@ -40,7 +48,8 @@ impl Targets {
             width: 0,
             chromatic: false,
             room: count,
-            states: buffer("states", STATE_BYTES, BufferUsages::STORAGE),
+            volumes,
+            states: buffer("states", STATE_BYTES * volumes, BufferUsages::STORAGE),
             pixels: buffer("pixels", pixel, BufferUsages::STORAGE | BufferUsages::COPY_SRC),
             copied: buffer("copied", pixel, BufferUsages::MAP_READ | BufferUsages::COPY_DST),
         }
@@ -48,17 +57,35 @@ impl Targets {
 
     /// Those that are there, for a band of a picture `across` pixels wide, if they have room for it, or new ones: the
     /// old ones go first. `chromatic` if shaders tell of each colour what is held back.
-    pub fn kept<'t>(
+    pub fn kept<'t>(slot: &'t mut Option<Self>, device: &Device, shape: (usize, bool), size: [u32; 2]) -> &'t Self {
+        Self::kept_apart(slot, device, 1, shape, size)
+    }
+
+    /// The same where rays are followed apart in so many volumes.
+    pub fn kept_apart<'t>(
         slot: &'t mut Option<Self>,
         device: &Device,
+        volumes: usize,
         (across, chromatic): (usize, bool),
         [width, rows]: [u32; 2],
     ) -> &'t Self {
-        let room = across as u64 * u64::from(rows);
-        slot.take_if(|targets| targets.room < room);
-        let targets = slot.get_or_insert_with(|| Self::new(device, room));
+        let (room, volumes) = (across as u64 * u64::from(rows), volumes as u64);
+        slot.take_if(|targets| targets.room < room || targets.volumes != volumes);
+        let targets = slot.get_or_insert_with(|| Self::new(device, room, volumes));
         (targets.width, targets.chromatic) = (width, chromatic);
         targets
+    }
+
+    /// The states of all volumes.
+    pub fn states(&self) -> BindingResource<'_> {
+        self.states.as_entire_binding()
+    }
+
+    /// The states of one of the volumes.
+    pub fn states_in(&self, volume: usize) -> BindingResource<'_> {
+        let bytes = self.room * STATE_BYTES;
+        let (offset, size) = (volume as u64 * bytes, NonZeroU64::new(bytes));
+        BindingResource::Buffer(BufferBinding { buffer: &self.states, offset, size })
     }
 
     fn bytes(&self, rows: u32) -> u64 {

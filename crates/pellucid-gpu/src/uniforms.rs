@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 use pellucid_field::Grid;
 use pellucid_optics::{Material, Nodes};
-use pellucid_plan::blue_noise_shift;
+use pellucid_plan::{Merging, blue_noise_shift};
 use pellucid_scene::{Jitter, Mode, Overlap, Region, Slice, Stage, StageVolume};
 
 use crate::four::Four;
@@ -127,11 +127,12 @@ impl Frame {
         }
         let [r, g, b] = stage.chroma(volume).map_or([1.0; 3], |chroma| chroma.ratios);
         frame.chroma = [r, g, b, 0.0];
-        frame.overlap = match stage.overlap {
-            Overlap::Add => [0; 4],
-            Overlap::Maximum => [1, 0, 0, 0],
-            Overlap::Priority => [2, 0, 0, 0],
-            Overlap::Fused { color, opacity } => [3, color as u32, opacity as u32, 0],
+        frame.overlap = match Merging::of(stage) {
+            Merging::Overlap(Overlap::Add) => [0; 4],
+            Merging::Overlap(Overlap::Maximum) => [1, 0, 0, 0],
+            Merging::Overlap(Overlap::Priority) => [2, 0, 0, 0],
+            Merging::Overlap(Overlap::Fused { color, opacity }) => [3, color as u32, opacity as u32, 0],
+            Merging::Sum => [4, 0, 0, 0],
         };
         frame.light_count = stage.lights.len() as u32;
         frame.plane_count = region.half_spaces().len() as u32;

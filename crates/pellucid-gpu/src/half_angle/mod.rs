@@ -274,7 +274,7 @@ impl<'a> HalfAngleSlicer<'a> {
             .collect();
         let presence =
             self.presence.as_ref().map(|presence| bound(presence, &passes, &[numbers.clone(), held.clone()]));
-        let states = ("states", targets.states.as_entire_binding());
+        let states = ("states", targets.states());
         let all = ("lost", BindingResource::TextureView(&layers.all));
         let eye = bound(&self.eye, &looks, &[states.clone(), numbers.clone(), all]);
         let surface = bound(&self.surface, &looks, &[states, numbers]);
@@ -337,7 +337,7 @@ impl<'a> HalfAngleSlicer<'a> {
     fn resolve(&self, targets: &Targets, [row, rows, sub]: [u32; 3], is_last: bool) {
         let pass = RayBounds { rows: Rows::of([row, rows, sub]), ..RayBounds::default() };
         let passes = BoundsBuffer::new(self.device, [pass]);
-        let own = [("states", targets.states.as_entire_binding()), ("pixels", targets.pixels.as_entire_binding())];
+        let own = [("states", targets.states()), ("pixels", targets.pixels.as_entire_binding())];
         let group = self.bindings.frame_group(&self.resolve.groups, &passes, &own);
         let mut encoder =
             self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("half-angle") });

@@ -168,7 +168,7 @@ impl<'a> PathTracer<'a> {
     ) -> Result<(), GpuError> {
         let brick = self.resident.bricks[0];
         let views = self.resident.textures(self.device, &brick, control)?;
-        let states = ("states", targets.states.as_entire_binding());
+        let states = ("states", targets.states());
         let sees = [
             states.clone(),
             ("paths", self.numbers.as_entire_binding()),

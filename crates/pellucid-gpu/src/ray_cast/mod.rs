@@ -1,32 +1,31 @@
 //! The ray caster: passes over bands of the picture (7.2).
 
 mod bands;
+mod followed;
 mod lists;
 mod wavefront;
 
 use std::time::Instant;
 
 use pellucid_scene::{Control, Frame as Picture, Stage};
-use wgpu::{BindGroup, CommandEncoder, CommandEncoderDescriptor};
+use wgpu::{BindGroup, CommandEncoder, CommandEncoderDescriptor, ComputePipeline};
 
-use crate::bindings::Bindings;
 use crate::bounds::{BoundsBuffer, RayBounds, Rows};
-use crate::bricks::{self, Brick};
+use crate::bricks::Brick;
 use crate::dispatch::dispatch;
-use crate::drawing::{Drawing, Passes};
+use crate::drawing::Drawing;
 use crate::light_volume::LightVolumes;
 use crate::on_device::Drawn;
 use crate::pace::Pace;
 use crate::pipelines::{Pipeline, Pipelines};
-use crate::resident::Resident;
 use crate::shaders::{Pass, Variant};
 use crate::targets::Targets;
 use crate::timer::Timer;
-use crate::uniforms;
 use crate::window::Window;
 use crate::{Device, GpuError};
 
 use bands::Bands;
+use followed::{Followed, OnRays};
 use lists::Lists;
 use wavefront::Front;
 
@@ -40,6 +39,14 @@ struct Band {
     rows: u32,
 }
 
+/// A brick, and which of the parts it is of; whether rays begin there.
+#[derive(Clone, Copy)]
+struct Turn {
+    part: usize,
+    brick: Brick,
+    begins: bool,
+}
+
 /// What was learnt of the device's speed, kept from frame to frame.
 #[derive(Default)]
 pub struct KeptRays {
@@ -48,24 +55,15 @@ pub struct KeptRays {
     looks: Pace,
 }
 
-/// A volume on the device, and what shaders are given of it.
-struct OnRays<'a> {
-    resident: &'a mut Resident,
-    bindings: Bindings<'a>,
-}
-
 /// Everything on the device that one frame is drawn with.
 pub struct RayCaster<'a> {
     device: &'a Device,
     stage: &'a Stage,
-    /// One volume, whole or in bricks, or several whole ones in the order in which they are merged.
-    volumes: Vec<OnRays<'a>>,
-    /// Their lists, if they are several.
-    lists: Option<Lists>,
-    bricks: Vec<Brick>,
-    march: Pipeline,
+    /// What rays are followed through, one after the other; more than one if what they find is merged at the end.
+    parts: Vec<Followed<'a>>,
+    /// What merges it.
+    merge: Option<Pipeline>,
     resolve: Pipeline,
-    table: BindGroup,
 }
 
 impl<'a> RayCaster<'a> {
@@ -78,62 +76,35 @@ impl<'a> RayCaster<'a> {
         pipelines: &mut Pipelines,
         stage: &'a Stage,
         drawn: Vec<Drawn<'a, '_>>,
-        (drawing, light): (Drawing, Option<&LightVolumes>),
+        with: (Drawing, Option<&LightVolumes>),
     ) -> Result<Self, GpuError> {
-        let mut volumes = Vec::with_capacity(drawn.len());
-        let mut bricks = Vec::new();
-        for Drawn { volume, resident, optics, uploads } in drawn {
-            let [entries, planes, lights] =
-                Lists::places(volumes.iter().map(|volume: &OnRays| volume.bindings.lists()));
-            let alter = |frame: &mut uniforms::Frame| {
-                frame.set_light_points(light.map_or(0, |light| light.depth));
-                frame.lists = [entries, planes, lights, 0];
-            };
-            let mut bindings =
-                Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter)
-                    .with_light(light.map(|light| light.points.clone()));
-            bindings.variant = Variant {
-                skip: optics.blocks.is_some(),
-                // The many rounds of wide kernels are for several passes.
-                wavefront: drawing.passes == Passes::Wavefront || bindings.variant.kernels,
-                strides: optics.blocks.is_some_and(|blocks| blocks.levels.is_some()),
-                ..bindings.variant
-            };
-            if volumes.is_empty() {
-                bricks = resident.bricks.clone();
-                bricks::sort(&mut bricks, stage, volume.volume.grid());
-            }
-            volumes.push(OnRays { resident, bindings });
+        let apart = drawn.iter().any(|volume| volume.optics.pass.is_apart());
+        let mut volumes: Vec<OnRays> = Vec::with_capacity(drawn.len());
+        for drawn in drawn {
+            let before = volumes.iter().map(|volume| volume.bindings.lists()).filter(|_| !apart);
+            let places = Lists::places(before);
+            volumes.push(OnRays::new(device, stage, drawn, with, places));
         }
-        // All volumes of a pass take turns alike.
+        // All volumes take turns alike.
         let wavefront = volumes.iter().any(|volume| volume.bindings.variant.wavefront);
-        let variant = |volume: &OnRays| Variant { wavefront, ..volume.bindings.variant };
-        let march = pipelines.of_layers(device, volumes.iter().map(variant).collect())?.clone();
+        let together = if apart { 1 } else { volumes.len() };
+        let (mut parts, mut volumes) = (Vec::new(), volumes.into_iter().peekable());
+        while volumes.peek().is_some() {
+            parts.push(Followed::new(device, pipelines, volumes.by_ref().take(together).collect(), wavefront)?);
+        }
         let (chromatic, layered) = (stage.holds_back_each_color(), stage.has_layers());
         let resolve = pipelines.get(device, Variant { chromatic, layered, ..Variant::of(Pass::Resolve) })?.clone();
-        let each: Vec<_> = volumes.iter().map(|volume| volume.bindings.lists()).collect();
-        let lists = stage.has_layers().then(|| Lists::joined(device, &each));
-        let table = match &lists {
-            Some(lists) => march.groups.tables().bind(device, &lists.named().collect::<Vec<_>>()),
-            None => volumes[0].bindings.table_group(&march.groups),
+        let variant = Variant { layered, ..Variant::of(Pass::Apart) };
+        let merge = match parts.len() {
+            1 => None,
+            several => Some(pipelines.of_layers(device, vec![variant; several])?.clone()),
         };
-        Ok(Self { device, stage, volumes, lists, bricks, march, resolve, table })
+        Ok(Self { device, stage, parts, merge, resolve })
     }
 
-    /// The first of the volumes: what all have in common is told of it.
-    fn first(&self) -> &OnRays<'a> {
-        &self.volumes[0]
-    }
-
-    /// The textures of a brick or, of several volumes, of all of them: bound.
-    fn volume_group(&mut self, brick: &Brick, control: &Control) -> Result<BindGroup, GpuError> {
-        let mut views = Vec::with_capacity(self.volumes.len());
-        for (number, OnRays { resident, .. }) in self.volumes.iter_mut().enumerate() {
-            let brick = if number == 0 { *brick } else { resident.bricks[0] };
-            views.push(resident.textures(self.device, &brick, control)?);
-        }
-        let of = self.volumes.iter().zip(&views).map(|(volume, views)| volume.bindings.of_volume(views));
-        Ok(self.march.groups.volume().bind_layers(self.device, &of.collect::<Vec<_>>()))
+    /// The first of what is followed: what all have in common is told of it.
+    fn first(&self) -> &Followed<'a> {
+        &self.parts[0]
     }
 
     /// Draws all bands that the volume can be in into an empty picture of the stage's size.
@@ -147,22 +118,22 @@ impl<'a> RayCaster<'a> {
         control: &Control,
         picture: &mut Picture,
     ) -> Result<(), GpuError> {
-        let Window { low: [column, first], size: [width, height] } = self.first().bindings.window;
+        let Window { low: [column, first], size: [width, height] } = self.first().first().bindings.window;
         let rays = u64::from(width) * u64::from(self.stage.quality.supersampling.pow(2));
-        let wavefront = self.march.variant.wavefront;
+        let wavefront = self.first().march.variant.wavefront;
         let mut busy = timer.map(|_| 0.0);
         let (mut row, end) = (first, if width == 0 { first } else { first + height });
         while row < end {
-            let rows = self.volumes.iter().map(|volume| volume.resident.plan.rows).min();
+            let rows = self.parts.iter().map(Followed::most_rows).min();
             let most = rows.unwrap_or(1).min(end - row);
             // The passes of bricks are many anyway: as many rows of each as there can be; a wavefront is as
             // wide as there is room.
-            let learnt = self.first().resident.is_whole() && !wavefront;
+            let learnt = self.first().bricks().len() == 1 && !wavefront;
             let wanted = if learnt { (kept.bands.rays() / rays) as u32 } else { most };
             let rows = wanted.max(8).next_multiple_of(8).min(most);
             let targets = {
                 let shape = (picture.width, self.resolve.variant.chromatic);
-                Targets::kept(slot, self.device, shape, [width, rows])
+                Targets::kept_apart(slot, self.device, self.parts.len(), shape, [width, rows])
             };
             let band = Band { row, rows };
             let seconds = if wavefront {
@@ -190,10 +161,10 @@ impl<'a> RayCaster<'a> {
         bands: &mut Bands,
         control: &Control,
     ) -> Result<Option<f64>, GpuError> {
-        let (pixels, bricks) = (u64::from(targets.width) * u64::from(band.rows), self.bricks.len());
-        let turns = bricks * self.stage.quality.supersampling.pow(2) as usize;
+        let (pixels, each) = (u64::from(targets.width) * u64::from(band.rows), self.each_turn());
+        let turns = each.len() * self.stage.quality.supersampling.pow(2) as usize;
         let size = [targets.width, band.rows, 1];
-        let complete = self.first().resident.is_complete();
+        let complete = self.parts.iter_mut().flat_map(Followed::residents).all(|resident| resident.is_complete());
         let mut busy = Some(0.0);
         let mut turn = 0;
         while turn < turns {
@@ -204,14 +175,15 @@ impl<'a> RayCaster<'a> {
             let together = together.clamp(1, MOST_PASSES);
             let first = turn;
             turn = turns.min(turn + together);
-            let passes = BoundsBuffer::new(self.device, (first..turn).map(|turn| self.pass(turn, band)));
-            let march = self.frame_group(&self.march, targets, &passes, None);
-            let resolve = self.frame_group(&self.resolve, targets, &passes, None);
+            let of = |turn: usize| each[turn % each.len()];
+            let pass = |turn| self.pass(of(turn), (turn / each.len()) as u32, band);
+            let passes = BoundsBuffer::new(self.device, (first..turn).map(pass));
             let mut volumes = Vec::with_capacity(turn - first);
-            for turn in first..turn {
-                let brick = self.bricks[turn % bricks];
-                volumes.push(self.volume_group(&brick, control)?);
+            for Turn { part, brick, .. } in (first..turn).map(of) {
+                volumes.push(self.parts[part].volume_group(&brick, control)?);
             }
+            let march = self.march_groups(targets, &passes, None);
+            let finish = self.finish_groups(targets, &passes);
             if complete {
                 // Uploads are not what is measured.
                 self.device.wait()?;
@@ -224,10 +196,14 @@ impl<'a> RayCaster<'a> {
             let mut encoder = self.encoder();
             for (number, volume) in volumes.iter().enumerate() {
                 let (offset, begins) = (passes.offset(number), writes(number == 0, number + 1 == volumes.len()));
-                let groups = [Some(&march), Some(volume), Some(&self.table)];
-                dispatch(&mut encoder, &self.march.pipeline, groups, offset, size, begins);
-                if (first + number + 1) % bricks == 0 {
-                    dispatch(&mut encoder, &self.resolve.pipeline, [Some(&resolve), None, None], offset, size, None);
+                let part = of(first + number).part;
+                let Followed { march: Pipeline { pipeline, .. }, table, .. } = &self.parts[part];
+                let groups = [Some(&march[part]), Some(volume), Some(table)];
+                dispatch(&mut encoder, pipeline, groups, offset, size, begins);
+                if (first + number + 1) % each.len() == 0 {
+                    finish.iter().for_each(|(pipeline, group)| {
+                        dispatch(&mut encoder, pipeline, [Some(group), None, None], offset, size, None);
+                    });
                 }
             }
             if turn == turns {
@@ -242,7 +218,7 @@ impl<'a> RayCaster<'a> {
                 bands.learn(pixels * (turn - first) as u64, started.elapsed());
             } else {
                 // Meanwhile the next brick may come.
-                self.volumes[0].resident.used(submission);
+                self.parts.iter_mut().flat_map(Followed::residents).for_each(|part| part.used(submission.clone()));
                 self.device.check()?;
             }
             if reads {
@@ -253,14 +229,21 @@ impl<'a> RayCaster<'a> {
         Ok(busy)
     }
 
-    /// What a turn draws: a brick for one of the rays of the pixels.
-    fn pass(&self, turn: usize, Band { row, rows }: Band) -> RayBounds {
-        let (sub, number) = (turn / self.bricks.len(), turn % self.bricks.len());
-        let brick = &self.bricks[number];
+    /// What each of a pixel's rays is followed through, one after the other.
+    fn each_turn(&self) -> Vec<Turn> {
+        let of = |(part, followed): (usize, &Followed)| -> Vec<Turn> {
+            let turn = |(number, brick): (usize, &Brick)| Turn { part, brick: *brick, begins: number == 0 };
+            followed.bricks().iter().enumerate().map(turn).collect()
+        };
+        self.parts.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// What a turn of one of the rays of the pixels draws.
+    fn pass(&self, Turn { part, brick, begins }: Turn, sub: u32, Band { row, rows }: Band) -> RayBounds {
         let corner = |voxel: [usize; 3]| voxel.map(|v| v as u32);
         RayBounds {
-            rows: Rows { begin: u32::from(number == 0), ..Rows::of([row, rows, sub as u32]) },
-            most_looks: self.most_looks(),
+            rows: Rows { begin: u32::from(begins), ..Rows::of([row, rows, sub]) },
+            most_looks: self.parts[part].most_looks(),
             texture_low: corner(brick.voxels.low),
             core_low: corner(brick.core.low),
             core_high: corner(brick.core.high),
@@ -283,9 +266,14 @@ impl<'a> RayCaster<'a> {
         let rays = self.stage.quality.supersampling.pow(2);
         let capacity = targets.width * rows;
         let front = Front::new(self.device, capacity);
-        let volume = self.volume_group(&self.bricks[0].clone(), control)?;
+        let mut volumes = Vec::with_capacity(self.parts.len());
+        for part in &mut self.parts {
+            let brick = part.bricks()[0];
+            volumes.push(part.volume_group(&brick, control)?);
+        }
         let mut busy = Some(0.0);
-        for sub in 0..rays {
+        for (sub, part) in (0..rays).flat_map(|sub| (0..volumes.len()).map(move |part| (sub, part))) {
+            let Followed { march: Pipeline { pipeline, .. }, table, .. } = &self.parts[part];
             // Rays that go on, once there has been a pass.
             let mut left = None;
             let mut list = 0;
@@ -295,21 +283,21 @@ impl<'a> RayCaster<'a> {
                 }
                 let pass = RayBounds {
                     rows: Rows { begin: u32::from(left.is_none()), ..Rows::of([row, rows, sub]) },
-                    most_looks: pace.amount(self.most_looks()),
+                    most_looks: pace.amount(self.parts[part].most_looks()),
                     list,
                     list_length: capacity,
                     ..RayBounds::default()
                 };
                 let passes = BoundsBuffer::new(self.device, [pass]);
-                let group = self.frame_group(&self.march, targets, &passes, Some(&front));
+                let march = self.march_groups(targets, &passes, Some(&front));
                 let mut encoder = self.encoder();
                 front.clear(&mut encoder, 1 - list);
                 // Lists are read by workgroups in one row.
                 let size = left.map_or([targets.width, rows, 1], |rays: u32| [rays.div_ceil(8), 1, 1]);
                 let started = Instant::now();
                 let writes = timer.and_then(|timer| timer.writes(0, true, true));
-                let groups = [Some(&group), Some(&volume), Some(&self.table)];
-                dispatch(&mut encoder, &self.march.pipeline, groups, 0, size, writes);
+                let groups = [Some(&march[part]), Some(&volumes[part]), Some(table)];
+                dispatch(&mut encoder, pipeline, groups, 0, size, writes);
                 if let Some(timer) = timer {
                     timer.copy(&mut encoder, 1);
                 }
@@ -318,12 +306,16 @@ impl<'a> RayCaster<'a> {
                 busy = sum(busy, timer.and_then(|timer| timer.seconds(1)));
                 list = 1 - list;
             }
+            if part + 1 < volumes.len() {
+                continue;
+            }
             let pass = RayBounds { rows: Rows::of([row, rows, sub]), ..RayBounds::default() };
             let passes = BoundsBuffer::new(self.device, [pass]);
-            let group = self.frame_group(&self.resolve, targets, &passes, None);
             let mut encoder = self.encoder();
             let size = [targets.width, rows, 1];
-            dispatch(&mut encoder, &self.resolve.pipeline, [Some(&group), None, None], 0, size, None);
+            for (pipeline, group) in self.finish_groups(targets, &passes) {
+                dispatch(&mut encoder, pipeline, [Some(&group), None, None], 0, size, None);
+            }
             if sub + 1 == rays {
                 targets.copy(&mut encoder, rows);
             }
@@ -336,28 +328,24 @@ impl<'a> RayCaster<'a> {
         self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("rays") })
     }
 
-    /// What a pipeline is told of the frame, its passes and its targets.
-    fn frame_group(
-        &self,
-        pipeline: &Pipeline,
-        targets: &Targets,
-        passes: &BoundsBuffer,
-        front: Option<&Front>,
-    ) -> BindGroup {
-        let mut own = vec![("states", targets.states.as_entire_binding())];
-        match pipeline.variant.pass {
-            Pass::Resolve => own.push(("pixels", targets.pixels.as_entire_binding())),
-            _ => own.extend(front.map(|front| ("front", front.lists().as_entire_binding()))),
-        }
-        let mut layers: Vec<_> = self.volumes.iter().map(|volume| volume.bindings.of_frame(passes)).collect();
-        // What is found first is bound.
-        layers[0].splice(0..0, self.lists.iter().flat_map(Lists::named).chain(own));
-        pipeline.groups.frame().bind_layers(self.device, &layers)
+    /// What those that follow rays are told of the frame, their passes and their targets.
+    fn march_groups(&self, targets: &Targets, passes: &BoundsBuffer, front: Option<&Front>) -> Vec<BindGroup> {
+        let group = |(number, part): (usize, &Followed)| {
+            let front = front.map(|front| ("front", front.lists().as_entire_binding()));
+            let own = std::iter::once(("states", targets.states_in(number))).chain(front).collect();
+            part.frame_group(&part.march, passes, own)
+        };
+        self.parts.iter().enumerate().map(group).collect()
     }
 
-    /// Most looks at the blocks in a pass.
-    fn most_looks(&self) -> u32 {
-        self.volumes.iter().map(|volume| volume.bindings.most_looks).min().unwrap_or(u32::MAX)
+    /// What happens to rays that have been followed to their ends, and what it is told.
+    fn finish_groups(&self, targets: &Targets, passes: &BoundsBuffer) -> Vec<(&ComputePipeline, BindGroup)> {
+        let merge = self.merge.as_ref().map(|merge| (merge, vec![("states", targets.states())]));
+        let pixels = ("pixels", targets.pixels.as_entire_binding());
+        let resolve = (&self.resolve, vec![("states", targets.states_in(0)), pixels]);
+        let bound = |(pipeline, own): (&'_ Pipeline, _)| self.first().frame_group(pipeline, passes, own);
+        let finish = merge.into_iter().chain([resolve]);
+        finish.map(|(pipeline, own)| (&pipeline.pipeline, bound((pipeline, own)))).collect()
     }
 }
 

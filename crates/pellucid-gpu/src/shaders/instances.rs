@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 
 /// Modules that all layers share; of every other one each layer has its own, as `pellucid::of0::field`.
-const SHARED: [&str; 5] = ["lists", "way", "across", "each", "merge"];
+const SHARED: [&str; 6] = ["lists", "way", "across", "count", "each", "merge"];
 
 /// Flags that say the same of all layers.
-const COMMON: [&str; 4] = ["LAYERED", "STORED_CONSTANTS", "LOADED_CONSTANTS", "WAVEFRONT"];
+const COMMON: [&str; 5] = ["LAYERED", "APART", "STORED_CONSTANTS", "LOADED_CONSTANTS", "WAVEFRONT"];
 
 /// Numbers of bindings that a layer has for itself, in every group.
 pub const BINDINGS: u32 = 32;
@@ -65,6 +65,11 @@ fn bound(line: &str, layer: usize) -> String {
     format!("{before}@binding({number}){after}")
 }
 
+/// How many layers there are.
+pub fn count(layers: usize) -> String {
+    format!("#define_import_path pellucid::count\nconst COUNT: u32 = {layers}u;\n")
+}
+
 /// What asks one of so many layers, by its number.
 pub fn each(layers: usize) -> String {
     let imports: String = (0..layers).map(|k| format!("#import pellucid::of{k}::layer as of{k}\n")).collect();
@@ -79,7 +84,6 @@ pub fn each(layers: usize) -> String {
     [
         "#define_import_path pellucid::each\n#import pellucid::way::Way\n".to_owned(),
         imports,
-        format!("const COUNT: u32 = {layers}u;\n"),
         function("way_of", "at: vec2<f32>", "at", "Way"),
         function("clear", "way: Way, distance: f32", "way, distance", "f32"),
         function("element", "way: Way, ends: vec2<f32>, jitter: f32", "way, ends, jitter", "vec4<f32>"),

@@ -5,8 +5,9 @@
 #import pellucid::of0::march::{Turn, begin_turn, end_turn, DONE, HIT, NOWHERE, TERMINATED}
 #import pellucid::of0::table::over
 #import pellucid::way::Way
-#import pellucid::each::{COUNT, clear, normal, way_of}
-#import pellucid::merge::{densest, each_of, merged}
+#import pellucid::count::COUNT
+#import pellucid::each::{clear, element, normal, way_of}
+#import pellucid::merge::{densest, merged}
 
 // How many pieces are looked at between two looks at the blocks.
 const RUN: u32 = 8u;
@@ -73,6 +74,22 @@ fn end_of(distance: f32) -> f32 {
     return end;
 }
 
+fn is_in(way: Way, ends: vec2<f32>) -> bool {
+    let middle = (ends.x + ends.y) * 0.5;
+    return middle > way.ends.x && middle < way.ends.y;
+}
+
+// What volumes send of a piece; nothing where they are not.
+fn each_of(ends: vec2<f32>, jitter: f32) -> array<vec4<f32>, COUNT> {
+    var elements: array<vec4<f32>, COUNT>;
+    for (var i = 0u; i < COUNT; i += 1u) {
+        if is_in(ways[i], ends) {
+            elements[i] = element(i, ways[i], ends, jitter);
+        }
+    }
+    return elements;
+}
+
 fn follow(turn: ptr<function, Turn>, jitter: f32) {
     var state = (*turn).state;
     var distance = state.place.x;
@@ -88,7 +105,7 @@ fn follow(turn: ptr<function, Turn>, jitter: f32) {
             let ends = vec2<f32>(distance, end_of(distance));
             distance = ends.y;
             state.counts.x += 1u;
-            var elements = each_of(&ways, ends + begin, jitter);
+            var elements = each_of(ends + begin, jitter);
             let rgba = merged(&elements);
             if rgba.a <= 0.0 {
                 continue;

@@ -7,9 +7,9 @@ use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescript
 use wgpu::naga::Module;
 use wgpu::naga::compact::{KeepUnused, compact};
 
-use super::instances::{across, each, is_shared, text_of};
-use super::pass::{LAYER, LAYERS, MERGE, SHARED};
-use super::{Constants, Variant, defines};
+use super::instances::{across, count, each, is_shared, text_of};
+use super::pass::{APART, LAYER, LAYERS, MERGE, SHARED, Wgsl};
+use super::{Constants, Pass, Variant, defines};
 use crate::GpuError;
 
 /// Links shaders. What several are made of is compiled once for all that define the same names there: most of the time
@@ -18,8 +18,10 @@ use crate::GpuError;
 pub struct Linker {
     /// The shared files with each file that a walk imports as `pellucid::mode`, or with none.
     composers: HashMap<Option<&'static str>, Composer>,
-    /// The files of so many layers.
-    layers: HashMap<usize, Composer>,
+    /// The files of so many layers that are followed together.
+    together: HashMap<usize, Composer>,
+    /// What merges so many that are followed apart.
+    apart: HashMap<usize, Composer>,
 }
 
 impl Linker {
@@ -30,12 +32,16 @@ impl Linker {
     pub fn link(&mut self, layers: &[Variant], constants: Constants) -> Result<Module, GpuError> {
         let failed = |message: String| GpuError::Shader { variant: format!("{layers:?}"), message };
         let variant = &layers[0];
-        let (composer, entry) = if variant.is_among_others() {
-            let composer = match self.layers.entry(layers.len()) {
-                Entry::Occupied(found) => found.into_mut(),
-                Entry::Vacant(place) => place.insert(of_layers(layers.len()).map_err(failed)?),
+        let (composer, entry) = if variant.is_of_several() {
+            let (composers, files, entry): (_, fn(usize) -> _, _) = match variant.pass {
+                Pass::Apart => (&mut self.apart, merging, APART),
+                _ => (&mut self.together, of_layers, LAYERS),
             };
-            (composer, LAYERS)
+            let composer = match composers.entry(layers.len()) {
+                Entry::Occupied(found) => found.into_mut(),
+                Entry::Vacant(place) => place.insert(composer(files(layers.len())).map_err(failed)?),
+            };
+            (composer, entry)
         } else {
             let (entry, mode) = variant.pass.files(variant.traversal);
             let composer = match self.composers.entry(mode.as_ref().map(|mode| mode.name)) {
@@ -70,25 +76,35 @@ impl Linker {
     }
 }
 
-/// The files of so many layers: of most, each has its own.
-fn of_layers(count: usize) -> Result<Composer, String> {
-    let mut files = Vec::new();
-    for file in SHARED.iter().chain([&LAYER]) {
-        if is_shared(file.name) {
-            files.push((file.name, file.text.to_owned()));
-        } else {
-            files.extend((0..count).map(|layer| (file.name, text_of(file.text, layer))));
-        }
-        if file.name == "shadow" {
-            files.push(("across", across(count)));
-        }
+type Files = Vec<(&'static str, String)>;
+
+/// The files of so many layers that are followed together.
+fn of_layers(layers: usize) -> Files {
+    let own = |file: &Wgsl| {
+        let across = (file.name == "shadow").then(|| ("across", across(layers)));
+        of_each(file, layers).into_iter().chain(across).collect::<Vec<_>>()
+    };
+    let files = SHARED.iter().chain([&LAYER]).flat_map(own);
+    let last = [("each", each(layers)), (MERGE.name, MERGE.text.to_owned())];
+    std::iter::once(("count", count(layers))).chain(files).chain(last).collect()
+}
+
+/// What merges so many layers: files of the first, which are those of all.
+fn merging(layers: usize) -> Files {
+    let files = SHARED.iter().chain([&MERGE]).flat_map(|file| of_each(file, 1));
+    [("count", count(layers)), ("across", across(0))].into_iter().chain(files).collect()
+}
+
+/// A file of so many layers: of most, each has its own.
+fn of_each(file: &Wgsl, layers: usize) -> Files {
+    match is_shared(file.name) {
+        true => vec![(file.name, file.text.to_owned())],
+        false => (0..layers).map(|layer| (file.name, text_of(file.text, layer))).collect(),
     }
-    files.extend([("each", each(count)), (MERGE.name, MERGE.text.to_owned())]);
-    composer(files.into_iter())
 }
 
 /// Files that others import.
-fn composer(files: impl Iterator<Item = (&'static str, String)>) -> Result<Composer, String> {
+fn composer(files: impl IntoIterator<Item = (&'static str, String)>) -> Result<Composer, String> {
     let mut composer = Composer::default();
     for (name, text) in files {
         let module = ComposableModuleDescriptor { source: &text, file_path: name, ..Default::default() };

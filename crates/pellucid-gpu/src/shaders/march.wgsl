@@ -4,6 +4,9 @@
 
 #import pellucid::frame::{frame, bounds}
 #import pellucid::ray::{Ray, ray_of}
+#ifdef APART
+#import pellucid::ray::{beam_of, place_of}
+#endif
 
 struct State {
     // Associated linear RGBA.
@@ -102,6 +105,12 @@ fn begin_turn(id: vec2<u32>) -> Turn {
 // Writes a ray's state down.
 fn end_turn(turn: Turn) {
     states[turn.slot] = turn.state;
+#ifdef APART
+    if (turn.state.counts.w & DONE) != 0u && turn.state.surface.w < NOWHERE {
+        // As the rays of all volumes count: from a plane that they have in common.
+        states[turn.slot].surface.w += turn.ray.entry - beam_of(place_of(turn.pixel, bounds.rows.ray)).to_base;
+    }
+#endif
 #ifdef WAVEFRONT
     if (turn.state.counts.w & DONE) == 0u {
         let list = 1u - bounds.list;

@@ -1,35 +1,19 @@
-// What lies where volumes overlap: as `merge.rs` of the CPU backend.
+// What lies where volumes overlap, or what they send together: as `merge.rs` and `apart.rs` of the CPU backend.
 #define_import_path pellucid::merge
 
 #import pellucid::of0::frame::frame
 #import pellucid::of0::table::{extinction, opacity_of}
-#import pellucid::each::{COUNT, element}
-#import pellucid::way::Way
+#import pellucid::count::COUNT
 
 // The rules, as `uniforms.rs` numbers them.
 const ADD: u32 = 0u;
 const MAXIMUM: u32 = 1u;
 const PRIORITY: u32 = 2u;
 const FUSED: u32 = 3u;
+const SUM: u32 = 4u;
 
 // The largest opacity below 1: full opacity has no depth that a number could tell.
 const OPAQUE: f32 = 1.0 - 6e-8;
-
-fn is_in(way: Way, ends: vec2<f32>) -> bool {
-    let middle = (ends.x + ends.y) * 0.5;
-    return middle > way.ends.x && middle < way.ends.y;
-}
-
-// What volumes send of a piece; nothing where they are not.
-fn each_of(ways: ptr<private, array<Way, COUNT>>, ends: vec2<f32>, jitter: f32) -> array<vec4<f32>, COUNT> {
-    var elements: array<vec4<f32>, COUNT>;
-    for (var i = 0u; i < COUNT; i += 1u) {
-        if is_in((*ways)[i], ends) {
-            elements[i] = element(i, (*ways)[i], ends, jitter);
-        }
-    }
-    return elements;
-}
 
 // Extinctions add, and so does emission, weighted by them: `C = A sum(tau c) / sum(tau)` with `A = 1 - e^-sum(tau)`.
 fn added(elements: ptr<function, array<vec4<f32>, COUNT>>) -> vec4<f32> {
@@ -52,6 +36,17 @@ fn added(elements: ptr<function, array<vec4<f32>, COUNT>>) -> vec4<f32> {
     }
     let alpha = opacity_of(depth);
     return vec4<f32>(color * (alpha / depth), alpha);
+}
+
+// Light of all, each as if it were alone.
+fn sum(elements: ptr<function, array<vec4<f32>, COUNT>>) -> vec4<f32> {
+    var color = vec3<f32>(0.0);
+    var through = 1.0;
+    for (var i = 0u; i < COUNT; i += 1u) {
+        color += (*elements)[i].rgb;
+        through *= 1.0 - (*elements)[i].a;
+    }
+    return vec4<f32>(color, 1.0 - through);
 }
 
 // More opacity or, where that is the same, the brighter colour: a choice that no order decides.
@@ -95,6 +90,7 @@ fn merged(elements: ptr<function, array<vec4<f32>, COUNT>>) -> vec4<f32> {
     switch frame.overlap.x {
         case ADD: { return added(elements); }
         case FUSED: { return fused(elements); }
+        case SUM: { return sum(elements); }
         default: { return chosen(elements); }
     }
 }

@@ -209,7 +209,7 @@ impl Variant {
             // One walk goes through all of them, whole and in steps of one length.
             (self.bricks, self.strides, self.chromatic) = (false, false, false);
         }
-        self.layered &= matches!(self.pass, Composite | CompositePre | PreIntegrated | Resolve);
+        self.layered &= self.traversal == Traversal::Rays && self.pass.is_of_layers();
         self.shadowed &= self.lights() && self.pass.samples() && !slices && !self.bricks;
         self
     }
@@ -219,9 +219,9 @@ impl Variant {
         self.shaded || self.scattered
     }
 
-    /// Whether it is one of the layers of a walk.
-    fn is_among_others(&self) -> bool {
-        self.layered && self.pass != Pass::Resolve
+    /// Whether it is put together of the files of several layers.
+    fn is_of_several(&self) -> bool {
+        self.layered && (self.pass.follows_together() || self.pass == Pass::Apart)
     }
 
     /// The names that are defined for the preprocessor.
@@ -249,6 +249,7 @@ impl Variant {
             ("CHROMATIC", self.chromatic),
             ("KNOTS", self.knots),
             ("LAYERED", self.layered),
+            ("APART", self.layered && self.pass.is_apart()),
             ("OF_LIGHT", matches!(self.pass, Pass::HalfAngleLight | Pass::HalfAnglePresence)),
             ("OF_POINTS", self.pass == Pass::LightPoints),
             ("OF_SLABS", matches!(self.pass, Pass::HalfAngleEye | Pass::HalfAngleSurface)),
@@ -273,7 +274,7 @@ impl Variant {
 /// The names that are defined for the preprocessor: each layer has its own.
 fn defines(layers: &[Variant]) -> HashMap<String, ShaderDefValue> {
     let each = layers.iter().enumerate().flat_map(|(layer, variant)| {
-        let own = move |name: &str| if variant.is_among_others() { flag_of(name, layer) } else { name.to_owned() };
+        let own = move |name: &str| if variant.is_of_several() { flag_of(name, layer) } else { name.to_owned() };
         variant.names().into_iter().map(own)
     });
     each.map(|name| (name, ShaderDefValue::Bool(true))).collect()

@@ -54,6 +54,7 @@ pub(super) const SHARED: [Wgsl; 34] = [
 pub(super) const LAYER: Wgsl = wgsl!("layer");
 pub(super) const MERGE: Wgsl = wgsl!("merge");
 pub(super) const LAYERS: Wgsl = wgsl!("layers");
+pub(super) const APART: Wgsl = wgsl!("apart");
 
 /// What a pass makes of the volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -78,6 +79,8 @@ pub enum Pass {
     Isosurface,
     /// The field on a plane.
     Slice,
+    /// What rays have found in several volumes, each followed by itself, in one.
+    Apart,
     /// Rays into pixels.
     Resolve,
     /// Polygons in which slices cut boxes.
@@ -121,7 +124,7 @@ pub enum Traversal {
 
 impl Pass {
     /// All passes.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 25] = [
         Self::Composite,
         Self::CompositePre,
         Self::PreIntegrated,
@@ -132,6 +135,7 @@ impl Pass {
         Self::XRay,
         Self::Isosurface,
         Self::Slice,
+        Self::Apart,
         Self::Resolve,
         Self::SlicePolygons,
         Self::SliceGivenPolygons,
@@ -153,6 +157,22 @@ impl Pass {
         use Pass::*;
         let sampling = [Composite, CompositePre, PreIntegrated, Maximum, Minimum, Average, Additive, XRay, Isosurface];
         sampling.contains(&self)
+    }
+
+    /// Whether it follows rays through several volumes together.
+    pub fn follows_together(self) -> bool {
+        matches!(self, Self::Composite | Self::CompositePre | Self::PreIntegrated)
+    }
+
+    /// Whether it follows rays through each of several volumes by itself: what it makes of a ray has no place on it.
+    pub(crate) fn is_apart(self) -> bool {
+        use Pass::*;
+        matches!(self, Maximum | Minimum | Average | Additive | XRay | Slice)
+    }
+
+    /// Whether it knows that there are several volumes.
+    pub(crate) fn is_of_layers(self) -> bool {
+        self.follows_together() || self.is_apart() || matches!(self, Self::Apart | Self::Resolve)
     }
 
     /// Whether it follows rays through slabs.
@@ -187,6 +207,7 @@ impl Pass {
             Self::PreIntegrated => segments(wgsl!("preintegrated")),
             Self::Isosurface => segments(wgsl!("isosurface")),
             Self::Slice => (wgsl!("slice"), None),
+            Self::Apart => (APART, None),
             Self::Resolve => (wgsl!("resolve"), None),
             Self::SlicePolygons | Self::SliceGivenPolygons | Self::SliceShells => (wgsl!("slice_proxies"), None),
             Self::SliceDone => (wgsl!("slice_done"), None),

@@ -32,12 +32,20 @@ fn every_variant_is_valid() {
 fn layers_of_any_kind_are_valid() {
     let layered = |variant: &Variant| Variant { layered: true, ..*variant }.canonical();
     let mut kinds: Vec<Variant> = Variant::all().iter().map(layered).filter(|variant| variant.layered).collect();
-    kinds.retain(|variant| variant.traversal == Traversal::Rays && !variant.wavefront && variant.pass != Pass::Resolve);
+    kinds.retain(|variant| !variant.wavefront);
     kinds.dedup();
-    assert!(kinds.len() > 100);
     let mut linker = Linker::default();
+    // Those that follow rays through each volume by itself, and what merges them.
+    let (together, apart): (Vec<Variant>, Vec<Variant>) =
+        kinds.into_iter().partition(|variant| variant.pass.follows_together());
+    for (number, variant) in apart.iter().enumerate().filter(|(_, variant)| variant.pass != Pass::Apart) {
+        check(&mut linker, number, variant);
+    }
+    let merge = [Variant { layered: true, ..Variant::of(Pass::Apart) }; 3];
+    check_written(&merge, &linker.link(&merge, Constants::Stored).unwrap_or_else(|error| panic!("{error}")));
+    assert!(together.len() > 100 && apart.len() > 100, "{} and {}", together.len(), apart.len());
     // Every kind beside another one.
-    for (number, pair) in kinds.chunks(13).map(|chunk| [chunk[0], *chunk.last().unwrap_or(&chunk[0])]).enumerate() {
+    for (number, pair) in together.chunks(13).map(|chunk| [chunk[0], *chunk.last().unwrap_or(&chunk[0])]).enumerate() {
         let constants = if number.is_multiple_of(2) { Constants::Uniform } else { Constants::Stored };
         let module = linker.link(&pair, constants).unwrap_or_else(|error| panic!("{error}"));
         check_written(&pair, &module);
