@@ -80,6 +80,7 @@ impl<'a> Bindings<'a> {
         frame.set_values(resident.field().data());
         let knots = list_length(&uploads.entries) - optics.nodes.knots().len() as u64;
         frame.set_nodes(&optics.nodes, knots);
+        frame.level_count = optics.levels.len() as u32;
         frame.scattering = uploads.scattering;
         frame.noise = uploads.perturbation.as_ref().map_or(Noise::default(), |noise| noise.numbers);
         // Where the length of a gradient tells something, a cut must not lengthen it.

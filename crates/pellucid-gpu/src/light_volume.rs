@@ -113,7 +113,8 @@ impl LightVolumes {
         of: Settings,
         control: &Control,
     ) -> Result<Self, GpuError> {
-        let optics = Optics::of_light(stage, volume, &of.tables.0);
+        // Through several volumes, rays are cast.
+        let optics = Optics::of_light(stage, 0, &of.tables.0);
         let uploads = Uploads::new(device, &of.tables.0, &optics);
         let LightPoints { grid: points, texels, .. } =
             LightPoints::new(volume.volume.grid(), of.resolution, of.lights.len(), side(device))

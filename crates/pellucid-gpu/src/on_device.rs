@@ -15,8 +15,9 @@ use crate::uploads::Uploads;
 
 /// What is known of a volume before anything of it is on the device.
 pub struct Wanted<'s> {
-    /// The volume with its optics.
+    /// The volume with its optics, and its number.
     pub volume: &'s StageVolume,
+    pub number: usize,
     /// Its tables.
     pub tables: Arc<Tables>,
     /// What is read of it.
@@ -56,7 +57,7 @@ impl OnDevice {
 
     /// What is wanted, with its tables uploaded.
     pub fn filled<'a, 'o>(&'a mut self, device: &Device, wanted: Wanted<'a>, optics: &'o Optics<'o>) -> Drawn<'a, 'o> {
-        let Wanted { volume, tables, sources, plan, bricks } = wanted;
+        let Wanted { volume, tables, sources, plan, bricks, .. } = wanted;
         let uploads = self.uploads.get_or_insert_with(|| Uploads::new(device, &tables, optics));
         let resident = self.resident.get_or_insert_with(|| Resident::new(device, sources, plan.clone(), bricks));
         resident.plan = plan;

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use pellucid_optics::{ColorSpace, Nodes, Scattering, SurfaceShare, TransferFunction, path_extinction};
 use pellucid_plan::{BlockContent, BlockMap, Tables};
-use pellucid_scene::{Classification, ColorWeight, Combine, Isosurface, Mode, Slice, Stage, StageVolume, Technique};
+use pellucid_scene::{Classification, ColorWeight, Combine, Isovalue, Mode, Slice, Stage, StageVolume, Technique};
 
 use crate::scattering::{self, Scatterers};
 use crate::shaders::Pass;
@@ -35,8 +35,9 @@ pub struct Optics<'a> {
 }
 
 impl<'a> Optics<'a> {
-    /// What a stage's pass wants of its tables.
-    pub fn new(stage: &Stage, volume: &'a StageVolume, tables: &'a Tables) -> Self {
+    /// What a stage's pass wants of the tables of a volume, by its number.
+    pub fn new(stage: &'a Stage, number: usize, tables: &'a Tables) -> Self {
+        let volume = &stage.volumes[number];
         // Light on its way classifies every sample by itself.
         let (pass, opaque) = match stage.technique {
             Technique::HalfAngle(_) => (Pass::Composite, false),
@@ -56,10 +57,7 @@ impl<'a> Optics<'a> {
             (Pass::CompositePre | Pass::XRay, ..) => (tables.step_table.entries(), tables.step_table.nodes()),
             _ => (tables.table.entries(), tables.table.nodes()),
         };
-        let levels = match stage.mode() {
-            Mode::Isosurface(surfaces) => levels(surfaces, &volume.transfer_function),
-            _ => Vec::new(),
-        };
+        let levels = levels(&stage.isovalues(number), &volume.transfer_function);
         // A plane is met once: there is nothing to leap over.
         let blocks = tables.blocks.as_ref().filter(|_| pass != Pass::Slice);
         let scattering = &volume.scattering;
@@ -93,14 +91,14 @@ impl<'a> Optics<'a> {
 
 impl<'a> Optics<'a> {
     /// What light meets on its way through a volume, however that is drawn.
-    pub fn of_light(stage: &Stage, volume: &'a StageVolume, tables: &'a Tables) -> Self {
+    pub fn of_light(stage: &'a Stage, number: usize, tables: &'a Tables) -> Self {
         let steps = tables.scattered_steps();
         Self {
             pass: Pass::Composite,
             entries: Cow::Borrowed(steps.entries()),
             bleeds: false,
             nodes: steps.nodes().clone(),
-            ..Self::new(stage, volume, tables)
+            ..Self::new(stage, number, tables)
         }
     }
 }
@@ -176,10 +174,10 @@ fn pass_of(stage: &Stage) -> (Pass, bool) {
     }
 }
 
-fn levels(surfaces: &Isosurface, tf: &TransferFunction) -> Vec<Level> {
-    let level = |iso: &pellucid_scene::Isovalue| {
+fn levels(isovalues: &[Isovalue], tf: &TransferFunction) -> Vec<Level> {
+    let level = |iso: &Isovalue| {
         let [r, g, b] = iso.color.map_or_else(|| tf.color(iso.value), |color| color.to_linear(ColorSpace::Srgb));
         Level { color: [r, g, b, iso.opacity], value: [iso.value as f32, 0.0, 0.0, 0.0] }
     };
-    surfaces.isovalues.iter().map(level).collect()
+    isovalues.iter().map(level).collect()
 }

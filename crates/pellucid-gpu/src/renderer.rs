@@ -236,7 +236,7 @@ impl GpuRenderer {
         check_steps(stage, volume)?;
         let tables = self.cache.tables(stage, number)?;
         let sources = Source::of(&self.device, volume, &tables, stage);
-        let optics = Optics::new(stage, volume, &tables);
+        let optics = Optics::new(stage, number, &tables);
         let demands = match stage.slicing() {
             Some(slicing) => slicing::demands(stage, volume, &optics, slicing),
             None => Demands {
@@ -261,7 +261,7 @@ impl GpuRenderer {
             let advice = "draw it with --backend cpu, or resample it";
             return Err(GpuError::Budget { what, needed, budget: plan.budget, advice });
         }
-        Ok(Wanted { volume, tables, sources, plan, bricks })
+        Ok(Wanted { volume, number, tables, sources, plan, bricks })
     }
 
     /// Draws the next frame.
@@ -275,7 +275,7 @@ impl GpuRenderer {
         }
         let Prepared { volumes, sky } = self.prepare(stage)?;
         let tables: Vec<Arc<Tables>> = volumes.iter().map(|prepared| prepared.tables.clone()).collect();
-        let optics = volumes.iter().zip(&tables).map(|(prepared, tables)| Optics::new(stage, prepared.volume, tables));
+        let optics = volumes.iter().zip(&tables).map(|(prepared, tables)| Optics::new(stage, prepared.number, tables));
         let optics: Vec<Optics> = optics.collect();
         // The memory of the last volumes and their tables is free before that of these is asked for.
         self.volumes.resize_with(volumes.len(), OnDevice::default);
@@ -379,7 +379,6 @@ fn lacks_of_layers(stage: &Stage) -> Option<String> {
             let merges = casts && stage.overlap != Overlap::Add;
             merges.then(|| "lighting.shadows between volumes whose overlap is not add".to_owned())
         }
-        (Technique::RayCast(_), Mode::Isosurface(_)) => Some(format!("isosurfaces of {count} volumes")),
         (Technique::RayCast(_), _) => None,
         _ => Some(format!("{count} volumes in one picture by {name}")),
     }

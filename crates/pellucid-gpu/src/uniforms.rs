@@ -136,10 +136,8 @@ impl Frame {
         };
         frame.light_count = stage.lights.len() as u32;
         frame.plane_count = region.half_spaces().len() as u32;
-        match stage.mode() {
-            Mode::Isosurface(surfaces) => frame.level_count = surfaces.isovalues.len() as u32,
-            Mode::Slice(slice) => frame.set_plane(stage, volume, slice),
-            _ => {}
+        if let Mode::Slice(slice) = stage.mode() {
+            frame.set_plane(stage, volume, slice);
         }
         if let Jitter::BlueNoise { seed } = stage.quality.jitter {
             let [x, y] = blue_noise_shift(seed);

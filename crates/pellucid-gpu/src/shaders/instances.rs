@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 /// Modules that all layers share; of every other one each layer has its own, as `pellucid::of0::field`.
-const SHARED: [&str; 6] = ["lists", "way", "across", "count", "each", "merge"];
+const SHARED: [&str; 8] = ["lists", "way", "cursor", "across", "count", "each", "each_hit", "merge"];
 
 /// Flags that say the same of all layers.
 const COMMON: [&str; 5] = ["LAYERED", "APART", "STORED_CONSTANTS", "LOADED_CONSTANTS", "WAVEFRONT"];
@@ -70,26 +70,40 @@ pub fn count(layers: usize) -> String {
     format!("#define_import_path pellucid::count\nconst COUNT: u32 = {layers}u;\n")
 }
 
-/// What asks one of so many layers, by its number.
+/// What asks one of so many layers for what lies on rays, by its number.
 pub fn each(layers: usize) -> String {
-    let imports: String = (0..layers).map(|k| format!("#import pellucid::of{k}::layer as of{k}\n")).collect();
-    let choice = |call: &str| -> String {
-        let case = |k: usize| format!("        case {k}u: {{ return of{k}::{call}; }}\n");
-        let cases: String = (1..layers).map(case).collect();
-        format!("    switch layer {{\n{cases}        default: {{ return of0::{call}; }}\n    }}\n")
+    let functions = [
+        ("way_of", "at: vec2<f32>", "Way"),
+        ("clear", "way: Way, distance: f32", "f32"),
+        ("element", "way: Way, ends: vec2<f32>, jitter: f32", "vec4<f32>"),
+        ("normal", "way: Way, distance: f32", "vec3<f32>"),
+    ];
+    "#define_import_path pellucid::each\n#import pellucid::way::Way\n".to_owned()
+        + &choices(layers, "layer", &functions)
+}
+
+/// What asks one of so many layers for its surfaces, by its number.
+pub fn each_hit(layers: usize) -> String {
+    let functions = [
+        ("first_hit", "pixel: vec2<u32>, sub: u32, from_eye: f32, looks: u32", "Cursor"),
+        ("next_hit", "pixel: vec2<u32>, sub: u32, last: Cursor", "Cursor"),
+        ("hit", "pixel: vec2<u32>, sub: u32, cursor: Cursor", "Hit"),
+    ];
+    "#define_import_path pellucid::each_hit\n#import pellucid::cursor::{Cursor, Hit}\n".to_owned()
+        + &choices(layers, "hits", &functions)
+}
+
+/// Functions, by names, parameters and types, that call those of a module of one of so many layers, by its number.
+fn choices(layers: usize, module: &str, functions: &[(&str, &str, &str)]) -> String {
+    let import = |k: usize| format!("#import pellucid::of{k}::{module} as {module}_of{k}\n");
+    let function = |(name, parameters, gives): &(&str, &str, &str)| {
+        let passed: Vec<_> = parameters.split(", ").filter_map(|one| one.split(':').next()).collect();
+        let call = |k: usize| format!("{{ return {module}_of{k}::{name}({}); }}\n", passed.join(", "));
+        let cases: String = (1..layers).map(|k| format!("        case {k}u: {}", call(k))).collect();
+        let choice = format!("    switch layer {{\n{cases}        default: {}    }}\n", call(0));
+        format!("fn {name}(layer: u32, {parameters}) -> {gives} {{\n{choice}}}\n")
     };
-    let function = |name: &str, takes: &str, call: &str, gives: &str| {
-        format!("fn {name}(layer: u32, {takes}) -> {gives} {{\n{}}}\n", choice(&format!("{name}({call})")))
-    };
-    [
-        "#define_import_path pellucid::each\n#import pellucid::way::Way\n".to_owned(),
-        imports,
-        function("way_of", "at: vec2<f32>", "at", "Way"),
-        function("clear", "way: Way, distance: f32", "way, distance", "f32"),
-        function("element", "way: Way, ends: vec2<f32>, jitter: f32", "way, ends, jitter", "vec4<f32>"),
-        function("normal", "way: Way, distance: f32", "way, distance", "vec3<f32>"),
-    ]
-    .concat()
+    (0..layers).map(import).chain(functions.iter().map(function)).collect()
 }
 
 /// What so many layers leave of a light on its way to a position of the world.

@@ -7,8 +7,8 @@ use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescript
 use wgpu::naga::Module;
 use wgpu::naga::compact::{KeepUnused, compact};
 
-use super::instances::{across, count, each, is_shared, text_of};
-use super::pass::{APART, LAYER, LAYERS, MERGE, SHARED, Wgsl};
+use super::instances::{across, count, each, each_hit, is_shared, text_of};
+use super::pass::{APART, HITS, ISOSURFACES, LAYER, LAYERS, MERGE, SHARED, Wgsl};
 use super::{Constants, Pass, Variant, defines};
 use crate::GpuError;
 
@@ -35,6 +35,7 @@ impl Linker {
         let (composer, entry) = if variant.is_of_several() {
             let (composers, files, entry): (_, fn(usize) -> _, _) = match variant.pass {
                 Pass::Apart => (&mut self.apart, merging, APART),
+                Pass::Isosurface => (&mut self.together, of_layers, ISOSURFACES),
                 _ => (&mut self.together, of_layers, LAYERS),
             };
             let composer = match composers.entry(layers.len()) {
@@ -84,8 +85,8 @@ fn of_layers(layers: usize) -> Files {
         let across = (file.name == "shadow").then(|| ("across", across(layers)));
         of_each(file, layers).into_iter().chain(across).collect::<Vec<_>>()
     };
-    let files = SHARED.iter().chain([&LAYER]).flat_map(own);
-    let last = [("each", each(layers)), (MERGE.name, MERGE.text.to_owned())];
+    let files = SHARED.iter().chain([&LAYER, &HITS]).flat_map(own);
+    let last = [("each", each(layers)), ("each_hit", each_hit(layers)), (MERGE.name, MERGE.text.to_owned())];
     std::iter::once(("count", count(layers))).chain(files).chain(last).collect()
 }
 

@@ -13,7 +13,7 @@ macro_rules! wgsl {
 }
 
 /// What passes import; each only from those above it.
-pub(super) const SHARED: [Wgsl; 34] = [
+pub(super) const SHARED: [Wgsl; 36] = [
     wgsl!("frame"),
     wgsl!("lists"),
     wgsl!("ray"),
@@ -37,6 +37,8 @@ pub(super) const SHARED: [Wgsl; 34] = [
     wgsl!("classified"),
     wgsl!("integrals"),
     wgsl!("way"),
+    wgsl!("cursor"),
+    wgsl!("crossing"),
     wgsl!("slices"),
     wgsl!("polygon"),
     wgsl!("pixel"),
@@ -52,8 +54,10 @@ pub(super) const SHARED: [Wgsl; 34] = [
 
 /// What several volumes in one pass have besides: what each of them is asked, and what all of them are together.
 pub(super) const LAYER: Wgsl = wgsl!("layer");
+pub(super) const HITS: Wgsl = wgsl!("hits");
 pub(super) const MERGE: Wgsl = wgsl!("merge");
 pub(super) const LAYERS: Wgsl = wgsl!("layers");
+pub(super) const ISOSURFACES: Wgsl = wgsl!("isosurfaces");
 pub(super) const APART: Wgsl = wgsl!("apart");
 
 /// What a pass makes of the volume.
@@ -161,7 +165,7 @@ impl Pass {
 
     /// Whether it follows rays through several volumes together.
     pub fn follows_together(self) -> bool {
-        matches!(self, Self::Composite | Self::CompositePre | Self::PreIntegrated)
+        matches!(self, Self::Composite | Self::CompositePre | Self::PreIntegrated | Self::Isosurface)
     }
 
     /// Whether it follows rays through each of several volumes by itself: what it makes of a ray has no place on it.

@@ -167,6 +167,33 @@ fn projections_are_those_of_the_cpu() {
 }
 
 #[test]
+fn surfaces_are_those_of_the_cpu() {
+    let unlit = "shading = false\n";
+    let surfaces = |opacities: [f64; 2]| {
+        let [first, second] = opacities;
+        format!(
+            "[technique.ray_cast.mode.isosurface]\nisovalues = [{{ value = 0.5, color = \"#e0c080\", opacity = {first}, \
+             volume = 0 }}, {{ value = 0.7, opacity = 0.4, volume = 0 }}, {{ value = 190, opacity = {second}, volume = 1 }}, \
+             {{ value = 120, opacity = 0.3, volume = 1 }}]\n"
+        )
+    };
+    let (glass, solid) = (surfaces([0.3, 0.4]), surfaces([1.0, 1.0]));
+    let (lights, rays) = (format!("[lighting]\n{LIGHTS}"), format!("[lighting]\nshadows.rays = {{}}\n{LIGHTS}"));
+    let cases = [
+        ("", unlit, glass.clone()),
+        ("", unlit, solid.clone()),
+        ("", unlit, format!("{glass}[quality]\nstep = 0.4\nempty_space_skipping = false\n")),
+        ("", unlit, format!("{glass}[quality]\nsupersampling = 2\njitter.blue_noise.seed = 3\n")),
+        ("", unlit, format!("{glass}[quality]\nfilter = {{ bc = {{ b = 0.3, c = 0.3 }} }}\n")),
+        ("", unlit, format!("{glass}[quality]\nfilter = \"nearest\"\n")),
+        ("", "shading = true\n", format!("{glass}{lights}")),
+        ("", "shading = true\n", format!("{solid}{rays}")),
+    ];
+    compare(&mut gpu(&Ceiling::default()), &cases);
+    compare(&mut gpu(&Ceiling::default()).with_passes(Passes::Wavefront), &cases[..2]);
+}
+
+#[test]
 fn any_number_of_volumes_is_projected() {
     let [_, waves] = turned();
     let layers: Vec<_> = (0..12)
@@ -185,18 +212,21 @@ fn neither_the_order_of_the_list_nor_turns_change_a_bit() {
     let third = solid([4, 5, 6], [-1.0, -9.0, -2.0], [1.7, 2.3, 1.1]);
     let haze = "unit_distance = 1\n[volumes.transfer_function]\ncolors = [[0, \"#ffffff\"]]\nopacities = [[0, 0.02]]";
     let layers = [(ball, BALL), (waves, WAVES), (third, haze)];
-    let [a, b, c] = layers.clone();
-    let rest = format!("[lighting]\nshadows.rays = {{}}\n{LIGHTS}");
-    let bits = |renderer: &mut GpuRenderer, layers: &[(Arc<Volume>, &str)]| {
-        let frame = draw(renderer, &layered(layers, &rest, [24, 20]));
-        let numbers = [frame.color.as_flattened(), &frame.depth, frame.normal.as_flattened()].concat();
-        numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>()
-    };
-    let mut renderer = gpu(&Ceiling::default());
-    let first = bits(&mut renderer, &layers);
-    assert!(bits(&mut renderer, &[c, a, b]) == first, "the order changes the picture");
-    let mut turns = gpu(&Ceiling::default()).with_passes(Passes::Wavefront);
-    assert!(bits(&mut turns, &layers) == first, "turns change the picture");
+    let lit = format!("[lighting]\nshadows.rays = {{}}\n{LIGHTS}");
+    let surfaces = "[technique.ray_cast.mode.isosurface]\nisovalues = [{ value = 0.6, opacity = 0.4 }, \
+        { value = 130, opacity = 0.3 }, { value = 180, opacity = 0.5 }]\n";
+    let (mut renderer, mut turns) = (gpu(&Ceiling::default()), gpu(&Ceiling::default()).with_passes(Passes::Wavefront));
+    for rest in [lit, surfaces.to_owned(), "[technique.ray_cast]\nmode = \"x_ray\"\n".to_owned()] {
+        let bits = |renderer: &mut GpuRenderer, layers: &[(Arc<Volume>, &str)]| {
+            let frame = draw(renderer, &layered(layers, &rest, [24, 20]));
+            let numbers = [frame.color.as_flattened(), &frame.depth, frame.normal.as_flattened()].concat();
+            numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>()
+        };
+        let first = bits(&mut renderer, &layers);
+        let [a, b, c] = layers.clone();
+        assert!(bits(&mut renderer, &[c, a, b]) == first, "the order changes the picture of {rest}");
+        assert!(bits(&mut turns, &layers) == first, "turns change the picture of {rest}");
+    }
 }
 
 #[test]

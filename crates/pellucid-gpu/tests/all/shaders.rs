@@ -4,7 +4,7 @@
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use pellucid_gpu::shaders::{Constants, Linker, Pass, Traversal, Variant, resources};
+use pellucid_gpu::shaders::{Constants, Linker, Pass, Variant, resources};
 use wgpu::naga::Module;
 use wgpu::naga::back::spv;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};

@@ -1,0 +1,155 @@
+// The surfaces of a volume among others, one after the other along a ray: each volume has the lattice that it has alone.
+#define_import_path pellucid::hits
+
+#import pellucid::cursor::{Cursor, Hit, BEYOND}
+#import pellucid::frame::frame
+#import pellucid::ray::{Ray, Segment, ray_at, ray_length, ray_node, ray_of}
+#import pellucid::field::field_value
+#import pellucid::crossing::{crosses, level_of, met_at, place_in}
+#import pellucid::levels::{between, levels}
+#import pellucid::light::normal_of
+#ifdef KERNELS
+#import pellucid::field::ABSENT
+#import pellucid::pieces::{cells_at, is_of_nearest, leap_to, next_cell}
+#ifdef SKIP
+#import pellucid::skip::way_to_matter
+#endif
+#endif
+#ifdef SKIP
+#import pellucid::skip::leap_segments
+#endif
+
+// How many segments are looked at between two looks at the blocks.
+const RUN: u32 = 4u;
+
+// Whether there is another segment that crosses a surface: it is looked at.
+fn next_segment(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
+#ifdef KERNELS
+    if is_of_nearest() {
+        return next_face(ray, cursor);
+    }
+#endif
+    var n = (*cursor).next;
+    var front = (*cursor).front;
+    var is_known = (*cursor).is_known;
+    var is_found = false;
+    while !is_found && (*cursor).looks > 0u && n <= ray.count {
+        (*cursor).looks -= 1u;
+#ifdef SKIP
+        let to = leap_segments(ray, n);
+        (*cursor).counts.z += u32(min(to, ray.count) - min(n, ray.count));
+        is_known = is_known && to == n;
+        n = to;
+#endif
+        for (var i = 0u; i < RUN && n <= ray.count && !is_found; i += 1u) {
+            let start = ray_node(ray, n);
+            if !is_known {
+                front = field_value(ray_at(ray, start));
+                is_known = true;
+                (*cursor).counts.x += 1u;
+            }
+            let end = ray_node(ray, n + 1.0);
+            let back = field_value(ray_at(ray, end));
+            (*cursor).counts.x += 1u;
+            (*cursor).ends = vec2<f32>(start, end);
+            (*cursor).values = vec2<f32>(front, back);
+            front = back;
+            n += 1.0;
+            is_found = crosses((*cursor).values);
+        }
+    }
+    (*cursor).next = n;
+    (*cursor).front = front;
+    (*cursor).is_known = is_known;
+    (*cursor).is_told = is_found || n > ray.count;
+    (*cursor).ahead = select(ray.entry + ray_node(ray, n), BEYOND, n > ray.count);
+    return is_found;
+}
+
+#ifdef KERNELS
+// The same over the faces between nearest voxels: segments of no length.
+fn next_face(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
+    const FACES: u32 = 8u;
+    var cells = cells_at(ray, (*cursor).next);
+    // There is no face at the entry, nor behind what is leapt over.
+    var front = select(ABSENT, (*cursor).front, (*cursor).is_known);
+    var is_found = false;
+    while !is_found && (*cursor).looks > 0u && cells.ends.x < cells.length {
+        (*cursor).looks -= 1u;
+#ifdef SKIP
+        // From the face by which the cell is entered, which is not looked at if the cell is left.
+        let before = cells.ends.x;
+        let to = before + way_to_matter(ray, ray_at(ray, before));
+        if to > cells.ends.y {
+            leap_to(&cells, to);
+            front = ABSENT;
+            (*cursor).counts.z += u32(max(min(cells.ends.x, cells.length) - before, 0.0));
+        }
+#endif
+        for (var i = 0u; i < FACES && cells.ends.x < cells.length && !is_found; i += 1u) {
+            let back = field_value(ray_at(ray, (cells.ends.x + cells.ends.y) * 0.5));
+            (*cursor).counts.x += 1u;
+            (*cursor).ends = vec2<f32>(cells.ends.x);
+            (*cursor).values = vec2<f32>(front, back);
+            front = back;
+            next_cell(&cells);
+            is_found = crosses((*cursor).values);
+        }
+    }
+    let is_at_end = cells.ends.x >= cells.length;
+    // The middle of a piece tells it from its neighbours.
+    (*cursor).next = (cells.ends.x + cells.ends.y) * 0.5;
+    (*cursor).front = front;
+    (*cursor).is_known = true;
+    (*cursor).is_told = is_found || is_at_end;
+    (*cursor).ahead = select(ray.entry + cells.ends.x, BEYOND, is_at_end);
+    return is_found;
+}
+#endif
+
+// At the first surface behind a distance from the eye, or one before it.
+fn first_hit(pixel: vec2<u32>, sub: u32, from_eye: f32, looks: u32) -> Cursor {
+    let ray = ray_of(pixel, sub);
+    var cursor: Cursor;
+    cursor.is_in = ray.count > 0.0;
+    cursor.looks = looks;
+    cursor.rank = frame.level_count;
+    // Nodes are not as far as their numbers, and the face by which a cell is entered is looked at from the one before.
+    cursor.next = max(floor(from_eye - ray.entry) - 1.0, 0.0);
+    return next_hit(pixel, sub, cursor);
+}
+
+// At the next surface.
+fn next_hit(pixel: vec2<u32>, sub: u32, last: Cursor) -> Cursor {
+    let ray = ray_of(pixel, sub);
+    var cursor = last;
+    if !cursor.is_in {
+        cursor.is_told = true;
+        cursor.ahead = BEYOND;
+        return cursor;
+    }
+    var is_looking = true;
+    while is_looking {
+        if cursor.rank >= frame.level_count {
+            is_looking = next_segment(ray, &cursor);
+            cursor.rank = select(frame.level_count, 0u, is_looking);
+        } else {
+            let number = level_of(cursor.values, cursor.rank);
+            cursor.rank += 1u;
+            if between(cursor.values.x, cursor.values.y, levels[number].value.x) {
+                cursor.number = number;
+                cursor.distance = place_in(ray, Segment(cursor.ends, cursor.values, 0.0), number);
+                cursor.ahead = ray.entry + cursor.distance;
+                cursor.is_told = true;
+                is_looking = false;
+            }
+        }
+    }
+    return cursor;
+}
+
+// What is met at the surface ahead.
+fn hit(pixel: vec2<u32>, sub: u32, cursor: Cursor) -> Hit {
+    let met = met_at(ray_of(pixel, sub), cursor.distance, cursor.number, cursor.values.y - cursor.values.x);
+    return Hit(met.rgba, normal_of(met.gradient).direction);
+}
