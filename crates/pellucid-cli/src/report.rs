@@ -41,7 +41,8 @@ impl Report {
 
 /// Advice of the library, which speaks of settings, in the flags that set them.
 pub fn in_flags(advice: impl fmt::Display) -> String {
-    const FLAGS: [(&str, &str); 5] = [
+    const FLAGS: [(&str, &str); 6] = [
+        ("volumes[0].colors = \"transfer_function\"", "--colors transfer-function"),
         ("volumes[0].component", "--component"),
         ("volumes[0].window, preset or opacity", "--window, --preset or --opacity"),
         ("volumes[0].unit_distance", "--unit-distance"),

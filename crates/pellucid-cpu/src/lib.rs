@@ -25,6 +25,7 @@ mod lit;
 mod medium;
 mod modes;
 mod packet;
+mod paint;
 mod path_trace;
 mod prepare;
 mod projection;

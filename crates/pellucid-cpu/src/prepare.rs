@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use pellucid_field::Grid;
 use pellucid_optics::StepTable;
-use pellucid_plan::{BlockContent, BlockMap, PlanCache, Tables};
+use pellucid_plan::{BlockContent, BlockMap, ColorGrid, PlanCache, Tables};
 use pellucid_scene::{Region, Stage, StageVolume};
 
 use crate::RenderError;
@@ -87,6 +87,8 @@ pub struct Prepared<'s> {
     pub region: Region,
     /// What is looked up.
     pub tables: Arc<Tables>,
+    /// The colours of its voxels, if it is drawn in them.
+    pub colors: Option<Arc<ColorGrid>>,
     /// What is leapt over.
     pub grids: Arc<Grids>,
     /// What the ways to lights need, if shadow rays are cast.
@@ -114,7 +116,7 @@ impl<'s> Prepared<'s> {
         if !numbered {
             return Err(RenderError::Steps { found: steps, limit: MOST_STEPS });
         }
-        let tables = cache.plan.tables(stage, layer)?;
+        let (tables, colors) = (cache.plan.tables(stage, layer)?, cache.plan.colors(stage, layer));
         cache.layers.resize_with(stage.volumes.len(), LayerCache::default);
         let grids = cache.layers[layer].grids(&tables);
         let length = stage.shadow_step(volume);
@@ -124,7 +126,7 @@ impl<'s> Prepared<'s> {
             Ok::<_, RenderError>(ShadowSteps { length, table })
         };
         let shadows = length.map(steps).transpose()?;
-        Ok(Self { stage, number: layer, volume, region: stage.region(volume), tables, grids, shadows })
+        Ok(Self { stage, number: layer, volume, region: stage.region(volume), tables, colors, grids, shadows })
     }
 
     /// Associated colours of one step.

@@ -8,6 +8,7 @@ use crate::classify::Classify;
 use crate::element::Element;
 use crate::field::turbulence;
 use crate::lanes::*;
+use crate::paint::Paint;
 use crate::samples::Sample;
 
 /// What happens to classified samples, and to segments, by where they are.
@@ -82,10 +83,25 @@ impl Varied<'_> {
     }
 }
 
-impl Vary for Varied<'_> {
+/// What depends on the place, not on the value alone: colours that voxels have of their own, and noise on optics.
+#[derive(Clone, Copy)]
+pub struct Placed<'a> {
+    /// Colours.
+    pub paint: Option<Paint<'a>>,
+    /// Noise.
+    pub varied: Option<Varied<'a>>,
+}
+
+impl Vary for Placed<'_> {
     #[inline(always)]
-    fn vary<S: Lanes>(&self, s: S, index: &Vec3<S>, rgba: [F32<S>; 4]) -> [F32<S>; 4] {
-        self.associated(s, &self.noise(s, index), rgba)
+    fn vary<S: Lanes>(&self, s: S, index: &Vec3<S>, mut rgba: [F32<S>; 4]) -> [F32<S>; 4] {
+        if let Some(paint) = &self.paint {
+            rgba = paint.tint(s, index, rgba);
+        }
+        match &self.varied {
+            Some(varied) => varied.associated(s, &varied.noise(s, index), rgba),
+            None => rgba,
+        }
     }
 }
 
@@ -94,13 +110,13 @@ pub struct VariedSamples<'a, C> {
     /// How they are classified.
     pub classifier: C,
     /// What varies them.
-    pub varied: Varied<'a>,
+    pub placed: Placed<'a>,
 }
 
 impl<S: Lanes, C: Classify<S>> Classify<S> for VariedSamples<'_, C> {
     #[inline(always)]
     fn classify(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Element<S>> {
         let Element { rgba, visible } = self.classifier.classify(s, value, sample)?;
-        Some(Element { rgba: self.varied.vary(s, &sample.index, rgba), visible })
+        Some(Element { rgba: self.placed.vary(s, &sample.index, rgba), visible })
     }
 }

@@ -91,6 +91,9 @@ impl GpuRenderer {
         let shadows = matches!((&stage.technique, stage.shadows), (_, Shadows::None) | (Technique::RayCast(_), _));
         let noisy = |volume: &StageVolume| volume.perturbation.displaces() || volume.perturbation.varies();
         match &stage.technique {
+            technique if technique.heeds_colors() && stage.volumes.iter().any(|volume| volume.colors.is_some()) => {
+                Some("volumes.colors of data".to_owned())
+            }
             _ if stage.has_layers() => lacks_of_layers(stage),
             // Slices take a sample at its own place.
             Technique::Slicing(_) if stage.volumes.iter().any(noisy) => Some(format!("volumes.perturbation in {name}")),

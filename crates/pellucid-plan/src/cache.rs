@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use pellucid_field::{Blocks, FieldError};
+use pellucid_field::{Blocks, FieldError, Volume};
 use pellucid_optics::{Chroma, ExtinctionBounds, Perturbation, Scattering, TransferFunction};
 use pellucid_scene::{Majorants, Mode, Quality, Stage};
 
+use crate::color_grid::ColorGrid;
 use crate::kept::{Kept, Margin};
 use crate::majorants::MajorantGrid;
 use crate::noises::Noises;
@@ -24,6 +25,7 @@ struct LayerCache {
     kept: Kept,
     tables: Option<(Settings, Arc<Tables>)>,
     majorants: Option<(Arc<Tables>, Majorants, Arc<MajorantGrid>)>,
+    colors: Option<(Arc<Volume>, Arc<ColorGrid>)>,
 }
 
 /// Everything that tables depend on.
@@ -89,6 +91,20 @@ impl PlanCache {
                 Ok(made)
             }
         }
+    }
+
+    /// The colours of the voxels of a layer, if it is drawn in them: the last ones, if they are of this volume.
+    ///
+    /// # Panics
+    /// If the stage has no such layer.
+    pub fn colors(&mut self, stage: &Stage, layer: usize) -> Option<Arc<ColorGrid>> {
+        self.layers.resize_with(stage.volumes.len(), LayerCache::default);
+        let (kept, volume) = (&mut self.layers[layer].colors, stage.volumes[layer].colors.as_ref());
+        kept.take_if(|(of, _)| volume.is_none_or(|volume| !Arc::ptr_eq(of, volume)));
+        if let (None, Some(volume)) = (&*kept, volume) {
+            *kept = ColorGrid::new(volume).map(|made| (volume.clone(), Arc::new(made)));
+        }
+        kept.as_ref().map(|(_, colors)| colors.clone())
     }
 
     /// Bounds of the extinction of a layer, for whose tables they are: the last ones, if they are of these tables.

@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
+use pellucid_field::Volume;
 use pellucid_scene::{Overlap, Stage, StageVolume};
 
 /// The numbers of a stage's volumes in the order in which they are merged: as listed where the rule of their overlap
@@ -31,8 +32,11 @@ fn key(volume: &StageVolume) -> String {
 
 /// Looked at only where all else is the same.
 fn by_voxels(a: &StageVolume, b: &StageVolume) -> Ordering {
-    if Arc::ptr_eq(&a.volume, &b.volume) {
-        return Ordering::Equal;
-    }
-    a.volume.voxels().as_bytes().cmp(b.volume.voxels().as_bytes())
+    let of = |volume: &StageVolume| [Some(volume.volume.clone()), volume.colors.clone()];
+    let pairs = of(a).into_iter().flatten().zip(of(b).into_iter().flatten());
+    let by_bytes = |(a, b): (Arc<Volume>, Arc<Volume>)| match Arc::ptr_eq(&a, &b) {
+        true => Ordering::Equal,
+        false => a.voxels().as_bytes().cmp(b.voxels().as_bytes()),
+    };
+    pairs.map(by_bytes).fold(a.colors.is_some().cmp(&b.colors.is_some()), Ordering::then)
 }

@@ -3,16 +3,18 @@
 use pellucid_field::{FieldError, Volume, Voxel, Voxels, parallel};
 use rayon::prelude::*;
 
+use crate::holds_colors;
+
 /// The brightness of a volume whose voxels are colours, 3 or 4 components of 8 or 16 bits: the luma of Rec. ITU-R
 /// BT.709, 3.2, of encoded red, green and blue, times their alpha if they have one. `None` for other volumes.
 ///
 /// # Errors
 /// None that a volume which exists can have.
 pub fn brightness(volume: &Volume) -> Result<Option<Volume>, FieldError> {
-    let colors = volume.components();
-    if !matches!(colors, 3 | 4) {
+    if !holds_colors(volume) {
         return Ok(None);
     }
+    let colors = volume.components();
     let voxels = match volume.voxels() {
         Voxels::U8(data) => Voxels::from(lumas(data, colors, f64::from(u8::MAX))),
         Voxels::U16(data) => Voxels::from(lumas(data, colors, f64::from(u16::MAX))),

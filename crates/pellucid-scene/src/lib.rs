@@ -13,6 +13,7 @@ mod check_optics;
 mod choice;
 mod citations;
 mod clip;
+mod colors;
 mod control;
 mod denoise;
 mod document;
@@ -45,6 +46,7 @@ pub use camera::{Camera, Framing, LookAt, Orbit, Projection, Ray, View, Viewpoin
 pub use check::Invalid;
 pub use choice::Choice;
 pub use clip::{Clip, Region};
+pub use colors::{Colors, holds_alpha, holds_colors};
 pub use control::{Cancel, Cancelled, Control};
 pub use denoise::denoise;
 pub use document::{DocumentError, json_schema};

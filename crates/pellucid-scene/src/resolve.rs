@@ -4,7 +4,7 @@ use std::cell::LazyCell;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
-use pellucid_field::{FieldError, Grid, Volume};
+use pellucid_field::{FieldError, Grid, Volume, VoxelType};
 use pellucid_optics::{Light, Lighting, OpticsError, Preset, ResolvedLight, Scale};
 
 use serde_json::json;
@@ -16,7 +16,8 @@ use crate::framing::Framed;
 use crate::fused::fuse;
 use crate::origin::{counted_from, origin_of};
 use crate::{
-    Crop, ImageSettings, Invalid, Mode, Overlap, Region, Scene, Stage, StageVolume, Technique, Viewpoint, VolumeEntry,
+    Colors, Crop, ImageSettings, Invalid, Mode, Overlap, Region, Scene, Stage, StageVolume, Technique, Viewpoint,
+    VolumeEntry, holds_alpha, holds_colors,
 };
 
 /// Why a scene does not fit its volumes.
@@ -43,6 +44,19 @@ pub enum ResolveError {
         found: usize,
         /// Components per voxel.
         components: usize,
+    },
+    /// Colours asked for of voxels that are none.
+    #[error(
+        "volumes[{volume}].colors is \"data\", but its voxels are {components} components of {voxel_type}, and colours \
+         are 3 or 4 of u8 or u16"
+    )]
+    Colors {
+        /// Position in the list.
+        volume: usize,
+        /// Components per voxel.
+        components: usize,
+        /// Their type.
+        voxel_type: VoxelType,
     },
     /// A spacing that does not fit the grid.
     #[error(transparent)]
@@ -137,7 +151,9 @@ impl Scene {
         choices: &mut Vec<Choice>,
     ) -> Result<(StageVolume, Chosen), ResolveError> {
         let entry = &self.volumes[k];
-        let (volume, component) = component_of(k, entry, loaded, choices)?;
+        let colors = self.data_colors(k, loaded)?.then(|| loaded.clone());
+        let (volume, component) = component_of(k, entry, loaded, colors.is_some(), choices)?;
+        let entry = &if colors.is_some() { in_data_colors(entry, &volume, component) } else { entry.clone() };
         let volume = match entry.spacing {
             None => volume,
             Some(spacing) => Arc::new((*volume).clone().with_grid(respaced(volume.grid(), spacing)?)?),
@@ -167,6 +183,7 @@ impl Scene {
         let origin = origin.unwrap_or_default();
         let staged = StageVolume {
             component,
+            colors,
             transfer_function: optics.transfer_function.counted_from(origin),
             material: optics.material,
             gradient_weight: optics.gradient_weight,
@@ -178,6 +195,22 @@ impl Scene {
             origin,
         };
         Ok((staged, chosen))
+    }
+
+    /// Whether a volume is drawn in the colours of its voxels.
+    fn data_colors(&self, k: usize, volume: &Volume) -> Result<bool, ResolveError> {
+        let VolumeEntry { colors, component, preset, colormap, transfer_function, .. } = &self.volumes[k];
+        let told = component.is_some() || preset.is_some() || colormap.is_some() || transfer_function.is_some();
+        match colors {
+            Some(Colors::TransferFunction) => Ok(false),
+            Some(Colors::Data) if holds_colors(volume) => Ok(true),
+            Some(Colors::Data) => Err(ResolveError::Colors {
+                volume: k,
+                components: volume.components(),
+                voxel_type: volume.voxels().voxel_type(),
+            }),
+            None => Ok(!told && self.technique.heeds_colors() && holds_colors(volume)),
+        }
     }
 
     /// With isovalues in their order, less the value that those of the volume count from.
@@ -211,8 +244,26 @@ impl Stage {
     }
 }
 
+/// An entry whose voxels have colours: nothing tints them unless it is asked for, and alpha is opacity.
+fn in_data_colors(entry: &VolumeEntry, drawn: &Volume, component: usize) -> VolumeEntry {
+    let mut entry = entry.clone();
+    if entry.transfer_function.is_some() {
+        return entry;
+    }
+    entry.colormap.get_or_insert_with(|| "white".to_owned());
+    if component == ALPHA && entry.preset.is_none() {
+        entry.opacity.get_or_insert_with(|| "linear".to_owned());
+        let most = if drawn.voxels().voxel_type() == VoxelType::U8 { u8::MAX.into() } else { u16::MAX.into() };
+        entry.window.get_or_insert_with(|| [0.0, most].map(|stored: f64| drawn.value_map().value(stored)));
+    }
+    entry
+}
+
 /// Writes down what was chosen for an entry.
 fn settle(entry: &mut VolumeEntry, staged: &StageVolume, chosen: Chosen) {
+    if staged.colors.is_some() {
+        entry.colors = Some(Colors::Data);
+    }
     (entry.preset, entry.window) = (chosen.preset, chosen.window);
     (entry.colormap, entry.opacity) = (chosen.colormap, chosen.opacity);
     if staged.volume.components() > 1 {
@@ -234,11 +285,15 @@ fn settle(entry: &mut VolumeEntry, staged: &StageVolume, chosen: Chosen) {
     }
 }
 
-/// The volume and the component of it that are drawn for an entry.
+/// The component that is the alpha of colours.
+const ALPHA: usize = 3;
+
+/// The volume and the component of it that are drawn for an entry: of voxels that are `colored`, those that give opacity.
 fn component_of(
     k: usize,
     entry: &VolumeEntry,
     volume: &Arc<Volume>,
+    colored: bool,
     choices: &mut Vec<Choice>,
 ) -> Result<(Arc<Volume>, usize), ResolveError> {
     let components = volume.components();
@@ -246,6 +301,19 @@ fn component_of(
         Some(found) if found >= components => Err(ResolveError::Component { volume: k, found, components }),
         Some(component) => Ok((volume.clone(), component)),
         None if components == 1 => Ok((volume.clone(), 0)),
+        None if colored && holds_alpha(volume) => {
+            let chosen = "4 components are drawn as colours and the opacity that they have".to_owned();
+            choices.push(Choice::new("component", ALPHA, chosen));
+            Ok((volume.clone(), ALPHA))
+        }
+        None if colored => {
+            let chosen = format!(
+                "{components} components are drawn as colours, with opacity by their brightness; volumes[{k}].colors = \
+                 \"transfer_function\" draws the brightness in other colours"
+            );
+            choices.push(Choice::new("component", json!("brightness"), chosen));
+            Ok((brightness(volume)?.map_or_else(|| volume.clone(), Arc::new), 0))
+        }
         None => {
             let bright = brightness(volume)?;
             let (value, what) = match bright {

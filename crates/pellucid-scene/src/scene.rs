@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use crate::check::{self, Checked, finite, join, positive, require};
 use crate::check_optics;
-use crate::{Camera, Clip, ImageSettings, Invalid, ModelSource, Overlap, Quality, Technique};
+use crate::{Camera, Clip, Colors, ImageSettings, Invalid, ModelSource, Overlap, Quality, Technique};
 
 /// Everything that decides a picture. Whatever is left out is chosen automatically or takes its
 /// documented default.
@@ -68,9 +68,14 @@ pub struct VolumeEntry {
     /// Where the voxels come from.
     pub source: Source,
     /// Which component of the voxels is drawn, numbered from 0; left out, the first, or of 3 or 4 components of 8
-    /// or 16 bits, which are colours, the brightness.
+    /// or 16 bits, which are colours, the brightness; where those are drawn in their own colours, the fourth if it
+    /// varies.
     #[serde(default)]
     pub component: Option<usize>,
+    /// Where colours come from; left out, from the data if voxels are colours, composited, and nothing else tells of
+    /// colours: no component, preset, colour map or transfer function.
+    #[serde(default)]
+    pub colors: Option<Colors>,
     /// Distance between samples per axis, replacing the file's.
     #[serde(default)]
     pub spacing: Option<[f64; 3]>,
@@ -119,6 +124,7 @@ impl VolumeEntry {
         Self {
             source,
             component: None,
+            colors: None,
             spacing: None,
             crop: None,
             preset: None,

@@ -15,6 +15,8 @@ pub struct StageVolume {
     pub volume: Arc<Volume>,
     /// The component drawn.
     pub component: usize,
+    /// The voxels whose colours it is drawn in, times those of the transfer function: on the same grid.
+    pub colors: Option<Arc<Volume>>,
     /// The transfer function; its unit distance is set.
     pub transfer_function: TransferFunction,
     /// How surfaces reflect; `None` leaves them unlit.

@@ -19,7 +19,8 @@ pub struct ClippingFlags {
     /// Keep the voxels between two indices, first and last; the rest is absent
     #[arg(long, value_name = "I0,J0,K0,I1,J1,K1", value_parser = values::numbers::<6>, allow_hyphen_values = true)]
     crop: Option<[f64; 6]>,
-    /// Which component of the voxels is drawn, from 0 [default: the first, or the brightness of colours]
+    /// Which component of the voxels is drawn, from 0 [default: the first; of colours
+    /// the brightness, or the alpha if it varies]
     #[arg(long, value_name = "K")]
     component: Option<usize>,
     /// Distance between samples per axis in world units [default: the file's]

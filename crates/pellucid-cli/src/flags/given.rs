@@ -5,12 +5,13 @@ use clap::{ArgMatches, Args, Command, FromArgMatches};
 use pellucid::WithoutEffect;
 
 /// Flags and the settings they change, of those that may have no effect.
-const SETTINGS: [(&str, &str); 28] = [
+const SETTINGS: [(&str, &str); 29] = [
     ("zoom", "camera.view.orbit.zoom"),
     ("distance", "camera.view.orbit.distance"),
     ("preset", "volumes[0].preset"),
     ("window", "volumes[0].window"),
     ("colormap", "volumes[0].colormap"),
+    ("colors", "volumes[0].colors"),
     ("opacity", "volumes[0].opacity"),
     ("unit_distance", "volumes[0].unit_distance"),
     ("transfer_function", "volumes[0].transfer_function"),

@@ -6,7 +6,7 @@ use pellucid::io::{IoError, Limits, read_text};
 use pellucid::optics::{
     GradientWeight, Light, LightKind, Lighting, Material, Preset, Scale, TransferFunction, VolumeProperty,
 };
-use pellucid::scene::{Choice, Look, Scene, StageVolume};
+use pellucid::scene::{Choice, Colors, Look, Scene, StageVolume};
 
 use super::first_volume;
 use crate::failure::Failure;
@@ -34,6 +34,10 @@ pub struct LookFlags {
     /// A colour map over the window, reversed with _r; 'pellucid presets --colormaps' lists them
     #[arg(long, value_name = "NAME")]
     colormap: Option<String>,
+    /// Where colours come from: the voxels, where they are red, green and blue, or the transfer function
+    /// [default: the voxels, if neither component, preset, colour map nor transfer function is given]
+    #[arg(long, value_name = "data|transfer-function", value_parser = colors)]
+    colors: Option<Colors>,
     /// An opacity shape over the window, reversed with _r; 'pellucid presets --opacities' lists
     /// them
     #[arg(long, value_name = "NAME")]
@@ -167,6 +171,9 @@ impl LookFlags {
             entry.colormap.clone_from(&self.colormap);
             entry.transfer_function = None;
         }
+        if self.colors.is_some() {
+            first_volume(scene, "--colors")?.colors = self.colors;
+        }
         if self.opacity.is_some() {
             let entry = first_volume(scene, "--opacity")?;
             entry.opacity.clone_from(&self.opacity);
@@ -223,6 +230,14 @@ impl LookFlags {
 
 fn bundle(name: &str) -> Result<Look, String> {
     Look::by_name(name).map_err(|error| error.to_string())
+}
+
+fn colors(text: &str) -> Result<Colors, String> {
+    match text {
+        "data" => Ok(Colors::Data),
+        "transfer-function" => Ok(Colors::TransferFunction),
+        _ => Err(values::with_pointer("expected data or transfer-function", text, &["data", "transfer-function"])),
+    }
 }
 
 fn light(text: &str) -> Result<LightFlag, String> {

@@ -35,6 +35,7 @@ fn table() -> Vec<(&'static [&'static str], &'static str, Value)> {
         (&["--preset", "ct-bone"], "/volumes/0/preset", json!("ct-bone")),
         (&["--window", "-100,900"], "/volumes/0/window", json!([-100.0, 900.0])),
         (&["--colormap", "viridis_r"], "/volumes/0/colormap", json!("viridis_r")),
+        (&["--colors", "transfer-function"], "/volumes/0/colors", json!("transfer_function")),
         (&["--opacity", "sigmoid_5"], "/volumes/0/opacity", json!("sigmoid_5")),
         (&["--unit-distance", "2.5"], "/volumes/0/unit_distance", json!(2.5)),
         (&["--transfer-function", "tf.toml"], "/volumes/0/transfer_function/opacities", json!([[0.0, 0.0], [1.0, 0.5]])),

@@ -140,6 +140,9 @@ fn the_console_of_the_readme_is_what_is_said() {
 fn every_scene_of_the_guide_draws_without_a_warning() {
     let guide = document("docs/scene.md");
     let folder = tempdir().unwrap();
+    let colors: Vec<u8> = (0..3 * 8 * 8 * 8).map(|k| (k % 251) as u8).collect();
+    let slide = Volume::with_components(Grid::new([8; 3]).unwrap(), colors, 3).unwrap();
+    write(folder.path().join("slide.nrrd"), &slide, &WriteOptions::default()).unwrap();
     let examples = blocks(&guide, "toml");
     assert!(examples.len() >= 10, "{}", examples.len());
     for example in &examples {

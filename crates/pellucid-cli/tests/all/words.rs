@@ -182,8 +182,10 @@ fn advice_is_given_in_flags() {
     let path = folder.path();
     write(path, "colors.raw", (0..192).collect::<Vec<u8>>());
     let colors = ["--dims", "4x4x4", "--type", "u8", "--components", "3"];
-    let cases: [(&str, &[&str], &str); 5] = [
-        ("colors.raw", &colors, "--component 0 to 2 draws one of them"),
+    let values = [&colors[..], &["--mode", "maximum"]].concat();
+    let cases: [(&str, &[&str], &str); 6] = [
+        ("colors.raw", &colors, "--colors transfer-function draws the brightness in other colours"),
+        ("colors.raw", &values, "--component 0 to 2 draws one of them"),
         ("sample:ball", &["--window", "1e6,2e6"], "--window, --preset or --opacity change that"),
         ("sample:ball", &["--unit-distance", "1e9"], "--unit-distance sets a smaller one"),
         ("sample:ball", &["--mode", "minimum"], "--crop or --clip to the inside shows what is lowest there"),

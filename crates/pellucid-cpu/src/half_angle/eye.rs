@@ -14,6 +14,7 @@ use crate::cut::{Cut, Cuts};
 use crate::element::Element;
 use crate::field::Field;
 use crate::lanes::*;
+use crate::paint::Paint;
 use crate::skip::SkipGrid;
 use crate::surface::{Aim, Surface, Unlit, normals};
 use crate::vary::Varied;
@@ -69,6 +70,8 @@ pub struct Eye<'a, S: Lanes, F> {
     pub skip: Option<&'a SkipGrid>,
     /// What varies optics, if anything does.
     pub varied: Option<Varied<'a>>,
+    /// The colours of voxels, if they are drawn in them.
+    pub paint: Option<Paint<'a>>,
 }
 
 impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
@@ -86,6 +89,9 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
         let visible = candidates & one_step[3].simd_gt(splat(s, 0.0));
         if !visible.any_true() {
             return None;
+        }
+        if let Some(paint) = &self.paint {
+            one_step = paint.tint(s, index, one_step);
         }
         let noise = self.noise(index);
         if let Some((varied, noise)) = &noise {

@@ -233,6 +233,7 @@ impl Drawing<'_> {
             cuts: prepared.cuts(),
             skip: prepared.grids.skip.as_ref(),
             varied: prepared.varied(),
+            paint: prepared.paint(),
         }
     }
 

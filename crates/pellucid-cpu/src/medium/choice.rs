@@ -7,10 +7,11 @@ use super::{Integrals, OneGrid};
 use crate::classify::{Classify, Lookup, Post, Pre, PreEach, Segments};
 use crate::field::{Field, Moved};
 use crate::lanes::Lanes;
+use crate::paint::Paint;
 use crate::prepare::Prepared;
 use crate::reconstruct::WithField;
 use crate::surface::Surface;
-use crate::vary::{Uniform, Varied, VariedSamples, Vary};
+use crate::vary::{Placed, Uniform, Varied, VariedSamples, Vary};
 
 /// What is to be done with a medium of whatever type.
 pub trait WithMedium<'a, S: Lanes> {
@@ -34,7 +35,7 @@ impl Prepared<'_> {
         surface: Option<Surface<'a, S>>,
         with: W,
     ) -> W::Output {
-        let plain = self.stage.quality.classification != Classification::Pre && self.tables.variation.is_none();
+        let plain = self.stage.quality.classification != Classification::Pre && self.placed().is_none();
         match plain {
             true => self.with_field(sampler, Plain { prepared: self, s, surface, with }),
             false => self.with_any_medium(s, sampler, surface, with),
@@ -52,25 +53,25 @@ impl Prepared<'_> {
         if self.stage.quality.classification == Classification::Pre {
             let classifier = self.classified_voxels(sampler.clone());
             let field = self.any(sampler);
-            return match self.varied() {
-                Some(varied) => {
-                    let optics = VariedSamples { classifier, varied };
+            return match self.placed() {
+                Some(placed) => {
+                    let optics = VariedSamples { classifier, placed };
                     with.samples(self.one_grid(s, field, optics, surface))
                 }
                 None => with.samples(self.one_grid(s, field, classifier, surface)),
             };
         }
         let field = self.any(sampler);
-        let Some(varied) = self.varied() else {
+        let Some(placed) = self.placed() else {
             return Plain { prepared: self, s, surface, with }.with(field);
         };
         match &self.tables.preintegration {
             Some(table) => {
-                let optics = Integrals { table: Segments(table), vary: varied };
+                let optics = Integrals { table: Segments(table), vary: placed };
                 with.segments(self.one_grid(s, field, optics, surface))
             }
             None => {
-                let optics = VariedSamples { classifier: Post(self.lookup()), varied };
+                let optics = VariedSamples { classifier: Post(self.lookup()), placed };
                 with.samples(self.one_grid(s, field, optics, surface))
             }
         }
@@ -104,11 +105,24 @@ impl Prepared<'_> {
         let (field, post) = (self.any(sampler), Post(Lookup::of_steps(&shadows.table)));
         match self.varied() {
             Some(varied) => {
-                let optics = VariedSamples { classifier: post, varied };
+                // Light is lost in a place, whatever the colours of its voxels.
+                let placed = Placed { paint: None, varied: Some(varied) };
+                let optics = VariedSamples { classifier: post, placed };
                 with.samples(self.one_grid(s, field, optics, None))
             }
             None => with.samples(self.one_grid(s, field, post, None)),
         }
+    }
+
+    /// What of optics depends on the place, if anything does.
+    fn placed(&self) -> Option<Placed<'_>> {
+        let (paint, varied) = (self.paint(), self.varied());
+        (paint.is_some() || varied.is_some()).then_some(Placed { paint, varied })
+    }
+
+    /// The colours of voxels, if they are drawn in them.
+    pub fn paint(&self) -> Option<Paint<'_>> {
+        self.colors.as_deref().map(Paint)
     }
 
     /// What varies optics, if anything does.

@@ -13,6 +13,7 @@ mod chroma;
 mod classification;
 mod clipping;
 mod cut;
+mod data_colors;
 mod extremes;
 mod gradients;
 mod half_angle;

@@ -188,6 +188,15 @@ impl Technique {
         }
     }
 
+    /// Whether it composites samples that may have colours of their own.
+    pub fn heeds_colors(&self) -> bool {
+        match self {
+            Self::RayCast(RayCast { mode }) => *mode == Mode::Composite,
+            Self::HalfAngle(_) => true,
+            Self::Slicing(_) | Self::PathTrace(_) => false,
+        }
+    }
+
     /// Whether a rule of overlap decides anything: rays that meet surfaces, paths, and light on its way meet all volumes.
     pub fn heeds_overlap(&self) -> bool {
         match self {

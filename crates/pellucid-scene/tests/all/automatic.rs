@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use pellucid_field::{Grid, Volume, Voxels};
-use pellucid_scene::{Choice, Mode, RayCast, Scene, Source, Stage, Technique};
+use pellucid_scene::{Choice, Colors, Mode, RayCast, Scene, Source, Stage, Technique, VolumeEntry};
 
 const N: usize = 24;
 
@@ -363,26 +363,51 @@ fn colors<T: Clone>(of: impl Fn(f64) -> [T; 3]) -> Vec<T> {
 }
 
 #[test]
-fn colours_are_drawn_by_their_brightness_and_other_components_said() {
+fn colours_are_drawn_in_them_and_other_components_said() {
     let grid = || Grid::new([N; 3]).unwrap();
-    let green = colors(|r| if r < 7.0 { [0u8, 200, 0] } else { [0; 3] });
-    let volume = Volume::with_components(grid(), green, 3).unwrap();
-    let (stage, choices) = resolve(volume, Mode::Composite);
-    assert!(chose(&choices, "component").contains("3 components"), "{choices:?}");
-    assert!(chose(&choices, "component").contains("volumes[0].component 0 to 2"), "{choices:?}");
-    // Rec. 709 gives green 0.7152.
+    let green =
+        || Volume::with_components(grid(), colors(|r| if r < 7.0 { [0u8, 200, 0] } else { [0; 3] }), 3).unwrap();
+    let (stage, choices) = resolve(green(), Mode::Composite);
+    assert!(chose(&choices, "component").contains("3 components are drawn as colours"), "{choices:?}");
+    // Opacity is by brightness: Rec. 709 gives green 0.7152.
     let drawn = &stage.volumes[0];
     assert_eq!((drawn.volume.components(), drawn.volume.value([12; 3], drawn.component)), (1, 143.0));
+    assert_eq!(drawn.colors.as_ref().map(|colors| colors.components()), Some(3));
     assert!(opacity(&stage, 143.0) > 0.5 && opacity(&stage, 0.0) == 0.0, "{choices:?}");
-    // With an alpha of one half.
-    let rgba = by_radius(|r| if r < 7.0 { [0u16, 20_000, 0, 32_768] } else { [0, 20_000, 0, 0] }).concat();
-    let (stage, _) = resolve(Volume::with_components(grid(), rgba, 4).unwrap(), Mode::Composite);
-    assert_eq!((stage.volumes[0].volume.value([12; 3], 0), stage.volumes[0].volume.value([0; 3], 0)), (7152.0, 0.0));
+    assert_eq!(drawn.transfer_function.color(143.0), [1.0; 3]);
+    // Values have no place, and a preset or a colour map colours of its own.
+    let (stage, choices) = resolve(green(), Mode::Maximum);
+    assert!(stage.volumes[0].colors.is_none());
+    assert!(chose(&choices, "component").contains("volumes[0].component 0 to 2"), "{choices:?}");
+    for edit in [
+        |entry: &mut VolumeEntry| entry.preset = Some("density".to_owned()),
+        |entry: &mut VolumeEntry| entry.colormap = Some("plasma".to_owned()),
+        |entry: &mut VolumeEntry| entry.component = Some(1),
+        |entry: &mut VolumeEntry| entry.colors = Some(Colors::TransferFunction),
+    ] {
+        let mut scene = Scene::of(Source::memory());
+        edit(&mut scene.volumes[0]);
+        assert!(scene.resolve(&[Arc::new(green())]).unwrap().0.volumes[0].colors.is_none());
+    }
+    // An alpha that varies is the opacity; one that does not tells nothing.
+    let rgba = |outside: u16| {
+        let voxels = by_radius(|r| [0u16, 20_000, 0, if r < 7.0 { 32_768 } else { outside }]).concat();
+        resolve(Volume::with_components(grid(), voxels, 4).unwrap(), Mode::Composite).0
+    };
+    let (cut, whole) = (rgba(0), rgba(32_768));
+    assert_eq!((cut.volumes[0].component, cut.volumes[0].volume.value([12; 3], 3)), (3, 32_768.0));
+    assert!((opacity(&cut, 32_768.0) - 0.5).abs() < 1e-4);
+    assert_eq!((whole.volumes[0].component, whole.volumes[0].volume.value([12; 3], 0)), (0, 7152.0));
     // Vectors are no colours.
-    let vectors = colors(|r| if r < 7.0 { [1.0f32, 1e6, -1e6] } else { [0.0; 3] });
-    let (stage, choices) = resolve(Volume::with_components(grid(), vectors, 3).unwrap(), Mode::Composite);
+    let vectors = || colors(|r| if r < 7.0 { [1.0f32, 1e6, -1e6] } else { [0.0; 3] });
+    let vectors = || Volume::with_components(grid(), vectors(), 3).unwrap();
+    let (stage, choices) = resolve(vectors(), Mode::Composite);
     assert!(chose(&choices, "component").contains("3 components, only number 0 is drawn"), "{choices:?}");
     assert_eq!(window(&stage), [0.0, 1.0]);
+    let mut scene = Scene::of(Source::memory());
+    scene.volumes[0].colors = Some(Colors::Data);
+    let refused = scene.resolve(&[Arc::new(vectors())]).unwrap_err().to_string();
+    assert!(refused.contains("volumes[0].colors") && refused.contains("3 components of f32"), "{refused}");
 }
 
 #[test]

@@ -206,6 +206,7 @@ fn volume() -> impl Strategy<Value = VolumeEntry> {
                 perturbation.optics.transport = 0.0;
             }
             VolumeEntry {
+                colors: Some(Colors::Data).filter(|_| component > 1),
                 source,
                 component: Some(component).filter(|component| *component > 0),
                 spacing,
