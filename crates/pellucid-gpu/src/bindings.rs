@@ -69,6 +69,7 @@ impl<'a> Bindings<'a> {
             perturbed: uploads.perturbation.is_some(),
             chromatic: stage.chroma(volume).is_some(),
             knots: !optics.nodes.knots().is_empty(),
+            painted: uploads.colors.is_some(),
             opaque: optics.opaque,
             kernels: kernels.is_some(),
             layered: stage.has_layers(),
@@ -156,12 +157,13 @@ impl<'a> Bindings<'a> {
     /// What shaders are told of a brick, and of the volume that it is of.
     pub fn of_volume<'r>(&'r self, [field, voxels]: &'r [TextureView; 2]) -> Vec<Named<'r>> {
         use BindingResource::{Sampler, TextureView};
-        let Uploads { blocks, perturbation, .. } = self.uploads;
+        let Uploads { blocks, perturbation, colors, .. } = self.uploads;
         let mut all =
             vec![("volume", TextureView(field)), ("voxels", TextureView(voxels)), ("blocks", TextureView(blocks))];
         all.extend(self.sampler.as_ref().map(|sampler| ("linear", Sampler(sampler))));
         all.extend(self.kernels.as_ref().map(|kernels| ("kernels", kernels.as_entire_binding())));
         all.extend(self.points.as_ref().map(|points| ("points", TextureView(points))));
+        all.extend(colors.as_ref().map(|(_, colors)| ("colors", TextureView(colors))));
         all.extend(perturbation.as_ref().map(|noise| ("noise_texels", TextureView(&noise.texels))));
         all
     }

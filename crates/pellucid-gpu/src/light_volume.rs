@@ -115,7 +115,7 @@ impl LightVolumes {
     ) -> Result<Self, GpuError> {
         // Through several volumes, rays are cast.
         let optics = Optics::of_light(stage, 0, &of.tables.0);
-        let uploads = Uploads::new(device, &of.tables.0, &optics);
+        let uploads = Uploads::new(device, &of.tables.0, &optics, None);
         let LightPoints { grid: points, texels, .. } =
             LightPoints::new(volume.volume.grid(), of.resolution, of.lights.len(), side(device))
                 .map_err(TableError::from)?;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use pellucid_plan::Tables;
+use pellucid_plan::{ColorGrid, Tables};
 use pellucid_scene::StageVolume;
 
 use crate::Device;
@@ -20,6 +20,8 @@ pub struct Wanted<'s> {
     pub number: usize,
     /// Its tables.
     pub tables: Arc<Tables>,
+    /// The colours of its voxels, if it is drawn in them.
+    pub colors: Option<Arc<ColorGrid>>,
     /// What is read of it.
     pub sources: Vec<Source>,
     /// How it fits into memory.
@@ -50,15 +52,15 @@ pub struct Drawn<'a, 'o> {
 
 impl OnDevice {
     /// Frees the memory of what is not wanted any more.
-    pub fn forget_others(&mut self, Wanted { tables, sources, plan, bricks, .. }: &Wanted, optics: &Optics) {
+    pub fn forget_others(&mut self, Wanted { tables, colors, sources, plan, bricks, .. }: &Wanted, optics: &Optics) {
         self.resident.take_if(|resident| !resident.holds(sources, plan, bricks));
-        self.uploads.take_if(|uploads| !uploads.are_of(tables, optics));
+        self.uploads.take_if(|uploads| !uploads.are_of(tables, optics, colors.as_ref()));
     }
 
     /// What is wanted, with its tables uploaded.
     pub fn filled<'a, 'o>(&'a mut self, device: &Device, wanted: Wanted<'a>, optics: &'o Optics<'o>) -> Drawn<'a, 'o> {
-        let Wanted { volume, tables, sources, plan, bricks, .. } = wanted;
-        let uploads = self.uploads.get_or_insert_with(|| Uploads::new(device, &tables, optics));
+        let Wanted { volume, tables, colors, sources, plan, bricks, .. } = wanted;
+        let uploads = self.uploads.get_or_insert_with(|| Uploads::new(device, &tables, optics, colors));
         let resident = self.resident.get_or_insert_with(|| Resident::new(device, sources, plan.clone(), bricks));
         resident.plan = plan;
         Drawn { volume, resident, optics, uploads }

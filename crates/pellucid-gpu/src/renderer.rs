@@ -91,9 +91,6 @@ impl GpuRenderer {
         let shadows = matches!((&stage.technique, stage.shadows), (_, Shadows::None) | (Technique::RayCast(_), _));
         let noisy = |volume: &StageVolume| volume.perturbation.displaces() || volume.perturbation.varies();
         match &stage.technique {
-            technique if technique.heeds_colors() && stage.volumes.iter().any(|volume| volume.colors.is_some()) => {
-                Some("volumes.colors of data".to_owned())
-            }
             _ if stage.has_layers() => lacks_of_layers(stage),
             // Slices take a sample at its own place.
             Technique::Slicing(_) if stage.volumes.iter().any(noisy) => Some(format!("volumes.perturbation in {name}")),
@@ -240,6 +237,7 @@ impl GpuRenderer {
         let tables = self.cache.tables(stage, number)?;
         let sources = Source::of(&self.device, volume, &tables, stage);
         let optics = Optics::new(stage, number, &tables);
+        let colors = self.cache.colors(stage, number).filter(|_| stage.technique.heeds_colors());
         let demands = match stage.slicing() {
             Some(slicing) => slicing::demands(stage, volume, &optics, slicing),
             None => Demands {
@@ -248,23 +246,24 @@ impl GpuRenderer {
                 pixel_bytes: 0,
                 frame_bytes: stage.half_angle().map_or(0, half_angle::bytes)
                     + light_volume::bytes(&self.device, stage, volume)?
-                    + path_trace::bytes(&self.device, sky)?,
+                    + path_trace::bytes(&self.device, sky)?
+                    + colors.as_ref().map_or(0, |colors| size_of_val(colors.texels()) as u64),
             },
         };
         let (plan, bricks) = MemoryPlan::new(&self.device, budget, stage, volume, &sources, &optics, demands)?;
         let travels = matches!(stage.technique, Technique::HalfAngle(_) | Technique::PathTrace(_));
-        let moves = tables.displacer.is_some() || tables.variation.is_some();
+        let moves = tables.displacer.is_some() || tables.variation.is_some() || colors.is_some();
         let shadowed = stage.shadow_step(volume).is_some() || stage.light_resolution(volume).is_some();
         if (travels || moves || shadowed || stage.has_layers()) && bricks.len() > 1 {
             let what = match stage.has_layers() {
                 true => format!("volumes[{number}], as one of several that are whole,"),
-                false => "the volume, which light on its way and noise need whole,".to_owned(),
+                false => "the volume, which light on its way, noise and colours need whole,".to_owned(),
             };
             let needed = volume.volume.voxels().as_bytes().len() as u64;
             let advice = "draw it with --backend cpu, or resample it";
             return Err(GpuError::Budget { what, needed, budget: plan.budget, advice });
         }
-        Ok(Wanted { volume, number, tables, sources, plan, bricks })
+        Ok(Wanted { volume, number, tables, colors, sources, plan, bricks })
     }
 
     /// Draws the next frame.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, cast_slice};
-use pellucid_plan::{BLUE_NOISE_TILE, BlockContent, BlockMap, Tables, blue_noise};
+use pellucid_plan::{BLUE_NOISE_TILE, BlockContent, BlockMap, ColorGrid, Tables, blue_noise};
 use wgpu::{Buffer, BufferUsages, TextureFormat, TextureView};
 
 use crate::noise::UploadedNoise;
@@ -23,6 +23,8 @@ pub struct Uploads {
     pub blocks: TextureView,
     /// Noise on the volume, if there is some.
     pub perturbation: Option<UploadedNoise>,
+    /// The colours of voxels, if samples have them, and what they were.
+    pub colors: Option<(Arc<ColorGrid>, TextureView)>,
     /// How samples scatter.
     pub scattering: [[f32; 4]; HEADER],
     /// Isosurfaces.
@@ -33,7 +35,7 @@ pub struct Uploads {
 
 impl Uploads {
     /// Uploads tables.
-    pub fn new(device: &Device, tables: &Arc<Tables>, optics: &Optics) -> Self {
+    pub fn new(device: &Device, tables: &Arc<Tables>, optics: &Optics, colors: Option<Arc<ColorGrid>>) -> Self {
         let noise: Vec<f32> = (0..BLUE_NOISE_TILE * BLUE_NOISE_TILE)
             .map(|cell| blue_noise(cell % BLUE_NOISE_TILE, cell / BLUE_NOISE_TILE, 0) as f32)
             .collect();
@@ -45,6 +47,11 @@ impl Uploads {
             entries: storage(device, "table", &[&*optics.entries, &scattered, optics.nodes.knots()].concat()),
             blocks: block_texture(device, optics.blocks, optics.pass.compares_extremes()),
             perturbation: UploadedNoise::new(device, tables),
+            colors: colors.map(|colors| {
+                let bytes = cast_slice(colors.texels());
+                let view = texture::solid(device, "colors", TextureFormat::Rgba16Uint, colors.dims(), bytes);
+                (colors, view)
+            }),
             scattering,
             levels: storage(device, "levels", &optics.levels),
             blue_noise: texture::flat(
@@ -57,9 +64,13 @@ impl Uploads {
         }
     }
 
-    /// Whether they are of these tables.
-    pub fn are_of(&self, tables: &Arc<Tables>, optics: &Optics) -> bool {
-        Arc::ptr_eq(&self.of, tables) && (self.pass, self.bleeds) == (optics.pass, optics.bleeds)
+    /// Whether they are of these tables and colours.
+    pub fn are_of(&self, tables: &Arc<Tables>, optics: &Optics, colors: Option<&Arc<ColorGrid>>) -> bool {
+        let colored = match (&self.colors, colors) {
+            (Some((own, _)), Some(other)) => Arc::ptr_eq(own, other),
+            (own, other) => own.is_none() && other.is_none(),
+        };
+        colored && Arc::ptr_eq(&self.of, tables) && (self.pass, self.bleeds) == (optics.pass, optics.bleeds)
     }
 }
 

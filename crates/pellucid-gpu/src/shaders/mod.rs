@@ -76,6 +76,8 @@ pub struct Variant {
     pub chromatic: bool,
     /// The nodes of tables are not even.
     pub knots: bool,
+    /// Samples have the colours of their voxels.
+    pub painted: bool,
     /// Its volume is one of several.
     pub layered: bool,
 }
@@ -108,6 +110,7 @@ impl Variant {
             perturbed: off,
             chromatic: off,
             knots: off,
+            painted: off,
             layered: off,
         }
     }
@@ -143,6 +146,7 @@ impl Variant {
                     chromatic: on(19),
                     // Changes one function: a part of the shaders says enough.
                     knots: on(0) && on(4),
+                    painted: on(1) && on(18),
                     layered: false,
                 };
                 if variant == variant.canonical() {
@@ -197,6 +201,9 @@ impl Variant {
         self.gated &= self.scatters_direct && self.pass == HalfAngleLight;
         // Light meets the whole volume, along rays that the eye's rays ask for.
         self.perturbed &= reads && !slices && !self.bricks;
+        // Light on its way is held back whatever the colours.
+        let composites = matches!(self.pass, Composite | CompositePre | PreIntegrated | HalfAngleEye);
+        self.painted &= reads && !slices && !self.bricks && composites;
         // Blending units hold all colours back alike, and so do integrals over segments.
         self.chromatic &= match self.pass {
             Composite => self.traversal == Traversal::Rays,
@@ -248,6 +255,7 @@ impl Variant {
             ("PERTURBED", self.perturbed),
             ("CHROMATIC", self.chromatic),
             ("KNOTS", self.knots),
+            ("PAINTED", self.painted),
             ("LAYERED", self.layered),
             ("APART", self.layered && self.pass.is_apart()),
             ("OF_LIGHT", matches!(self.pass, Pass::HalfAngleLight | Pass::HalfAnglePresence)),

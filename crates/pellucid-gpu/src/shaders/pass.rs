@@ -13,7 +13,7 @@ macro_rules! wgsl {
 }
 
 /// What passes import; each only from those above it.
-pub(super) const SHARED: [Wgsl; 36] = [
+pub(super) const SHARED: [Wgsl; 37] = [
     wgsl!("frame"),
     wgsl!("lists"),
     wgsl!("ray"),
@@ -21,6 +21,7 @@ pub(super) const SHARED: [Wgsl; 36] = [
     wgsl!("noise"),
     wgsl!("field"),
     wgsl!("table"),
+    wgsl!("paint"),
     wgsl!("vary"),
     wgsl!("levels"),
     wgsl!("pieces"),

@@ -166,6 +166,43 @@ fn projections_are_those_of_the_cpu() {
     compare(&mut gpu(&Ceiling::default()).with_passes(Passes::Wavefront), &cases[..1]);
 }
 
+/// Voxels with colours and an opacity of their own, alone and among others, in every light that composites them.
+#[test]
+fn colored_voxels_are_those_of_the_cpu() {
+    let [ball, _] = turned();
+    let dims = [11, 9, 10];
+    let voxel = |k: usize| [k * 37 % 256, k * 91 % 128, k / 11 * 53 % 256, k * 17 % 90].map(|channel| channel as u8);
+    let voxels: Vec<u8> = (0..dims.iter().product()).flat_map(voxel).collect();
+    let affine = DAffine3::from_axis_angle(DVec3::Y, 0.5) * DAffine3::from_scale(DVec3::new(0.9, 1.2, 1.0));
+    let colors = Arc::new(Volume::with_components(Grid::with_affine(dims, affine).unwrap(), voxels, 4).unwrap());
+    let half_angle = format!("[technique.half_angle]\nresolution = 48\n[lighting]\n{LIGHTS}");
+    let mut renderer = gpu(&Ceiling::default());
+    for (own, rest) in [
+        ("", String::new()),
+        ("", "[quality]\nclassification = \"pre\"\n".to_owned()),
+        ("", "[quality]\nclassification = \"pre_integrated\"\nstep = 1.5\n".to_owned()),
+        ("shading = true\n", format!("[lighting]\nshadows.rays = {{}}\n{LIGHTS}")),
+        ("perturbation.optics = { color = 0.5, opacity = 0.4 }\n", String::new()),
+        ("", half_angle),
+    ] {
+        let one = [(colors.clone(), own)];
+        let two = [one[0].clone(), (ball.clone(), BALL)];
+        for layers in [&one[..], &two] {
+            let stage = layered(layers, &rest, [40, 36]);
+            if layers.len() > 1 && stage.half_angle().is_some() {
+                continue;
+            }
+            assert!(stage.volumes[0].colors.is_some());
+            let (expected, found) = (by_cpu(&stage), draw(&mut renderer, &stage));
+            let pairs = || expected.color.as_flattened().iter().zip(found.color.as_flattened());
+            let far = pairs().filter(|(a, b)| (*a - *b).abs() > LEVEL).count();
+            assert!(far <= 4, "{own} {rest}: {far} of {} farther than a level", layers.len());
+            let [r, g] = [0, 1].map(|channel| expected.color.iter().map(|pixel| pixel[channel]).sum::<f32>());
+            assert!(r > 20.0 && (r - g).abs() > 1.0, "{own} {rest}: {r} and {g}");
+        }
+    }
+}
+
 #[test]
 fn surfaces_are_those_of_the_cpu() {
     let unlit = "shading = false\n";
