@@ -7,7 +7,7 @@ use pellucid_field::{Volume, memory};
 use pellucid_optics::{Anisotropy, Phase, ResolvedLight, Scattering, Shadows, Sky};
 use pellucid_plan::{PlanCache, Tables, cautions, merge_order};
 use pellucid_scene::{
-    Control, Frame, FrameStatistics, Mode, Overlap, RenderWarning, Stage, StageVolume, Technique, denoise,
+    Control, Frame, FrameStatistics, LightPath, Mode, Overlap, RenderWarning, Stage, StageVolume, Technique, denoise,
 };
 
 use crate::bricks;
@@ -87,8 +87,7 @@ impl GpuRenderer {
     pub fn lacks(stage: &Stage) -> Option<String> {
         let lit = matches!(stage.mode(), Mode::Composite | Mode::Isosurface(_));
         let name = stage.technique.name();
-        // Slices do not look towards the light.
-        let shadows = matches!((&stage.technique, stage.shadows), (_, Shadows::None) | (Technique::RayCast(_), _));
+        let shadows = stage.shadows == Shadows::None || stage.technique.needs().shadows;
         let noisy = |volume: &StageVolume| volume.perturbation.displaces() || volume.perturbation.varies();
         match &stage.technique {
             _ if stage.has_layers() => lacks_of_layers(stage),
@@ -237,7 +236,7 @@ impl GpuRenderer {
         let tables = self.cache.tables(stage, number)?;
         let sources = Source::of(&self.device, volume, &tables, stage);
         let optics = Optics::new(stage, number, &tables);
-        let colors = self.cache.colors(stage, number).filter(|_| stage.technique.heeds_colors());
+        let colors = self.cache.colors(stage, number).filter(|_| stage.technique.needs().data_colors);
         let demands = match stage.slicing() {
             Some(slicing) => slicing::demands(stage, volume, &optics, slicing),
             None => Demands {
@@ -251,7 +250,7 @@ impl GpuRenderer {
             },
         };
         let (plan, bricks) = MemoryPlan::new(&self.device, budget, stage, volume, &sources, &optics, demands)?;
-        let travels = matches!(stage.technique, Technique::HalfAngle(_) | Technique::PathTrace(_));
+        let travels = stage.technique.needs().light == LightPath::Travels;
         let moves = tables.displacer.is_some() || tables.variation.is_some() || colors.is_some();
         let shadowed = stage.shadow_step(volume).is_some() || stage.light_resolution(volume).is_some();
         if (travels || moves || shadowed || stage.has_layers()) && bricks.len() > 1 {

@@ -94,10 +94,9 @@ impl<'a> RayCaster<'a> {
         }
         let (chromatic, layered) = (stage.holds_back_each_color(), stage.has_layers());
         let resolve = pipelines.get(device, Variant { chromatic, layered, ..Variant::of(Pass::Resolve) })?.clone();
-        let variant = Variant { layered, ..Variant::of(Pass::Apart) };
         let merge = match parts.len() {
             1 => None,
-            several => Some(pipelines.of_layers(device, vec![variant; several])?.clone()),
+            several => Some(pipelines.of_layers(device, vec![Variant::of(Pass::Apart); several])?.clone()),
         };
         Ok(Self { device, stage, parts, merge, resolve })
     }

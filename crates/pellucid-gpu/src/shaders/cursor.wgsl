@@ -5,17 +5,15 @@
 const BEYOND: f32 = 1e30;
 
 struct Cursor {
-    // Steps from the eye to the next surface, or to a place before which there is none: whether it is told.
+    // Steps from the eye to the next surface.
     ahead: f32,
-    is_told: bool,
     // Whether the ray meets the volume.
     is_in: bool,
-    // How many more looks at the blocks there may be.
-    looks: u32,
     // Samples taken, seen, leapt over.
     counts: vec3<u32>,
-    // The next node or, between nearest voxels, the distance of the next face; the value there, if it is known.
+    // The next node or, of nearest voxels, the next cell; the value at the node, or in the cell before, if it is known.
     next: f32,
+    cell: vec3<f32>,
     front: f32,
     is_known: bool,
     // The segment that was looked at last, its values, and how many of its levels.

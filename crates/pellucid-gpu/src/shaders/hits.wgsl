@@ -10,7 +10,7 @@
 #import pellucid::light::normal_of
 #ifdef KERNELS
 #import pellucid::field::ABSENT
-#import pellucid::pieces::{cells_at, is_of_nearest, leap_to, next_cell}
+#import pellucid::pieces::{cells_at, is_of_nearest, leap_to, meet_cell, next_cell}
 #ifdef SKIP
 #import pellucid::skip::way_to_matter
 #endif
@@ -33,8 +33,7 @@ fn next_segment(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
     var front = (*cursor).front;
     var is_known = (*cursor).is_known;
     var is_found = false;
-    while !is_found && (*cursor).looks > 0u && n <= ray.count {
-        (*cursor).looks -= 1u;
+    while !is_found && n <= ray.count {
 #ifdef SKIP
         let to = leap_segments(ray, n);
         (*cursor).counts.z += u32(min(to, ray.count) - min(n, ray.count));
@@ -61,8 +60,6 @@ fn next_segment(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
     (*cursor).next = n;
     (*cursor).front = front;
     (*cursor).is_known = is_known;
-    (*cursor).is_told = is_found || n > ray.count;
-    (*cursor).ahead = select(ray.entry + ray_node(ray, n), BEYOND, n > ray.count);
     return is_found;
 }
 
@@ -70,12 +67,15 @@ fn next_segment(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
 // The same over the faces between nearest voxels: segments of no length.
 fn next_face(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
     const FACES: u32 = 8u;
-    var cells = cells_at(ray, (*cursor).next);
+    var cells = cells_at(ray, 0.0);
+    if (*cursor).is_known {
+        cells.cell = (*cursor).cell;
+        meet_cell(&cells);
+    }
     // There is no face at the entry, nor behind what is leapt over.
     var front = select(ABSENT, (*cursor).front, (*cursor).is_known);
     var is_found = false;
-    while !is_found && (*cursor).looks > 0u && cells.ends.x < cells.length {
-        (*cursor).looks -= 1u;
+    while !is_found && cells.ends.x < cells.length {
 #ifdef SKIP
         // From the face by which the cell is entered, which is not looked at if the cell is left.
         let before = cells.ends.x;
@@ -96,26 +96,18 @@ fn next_face(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
             is_found = crosses((*cursor).values);
         }
     }
-    let is_at_end = cells.ends.x >= cells.length;
-    // The middle of a piece tells it from its neighbours.
-    (*cursor).next = (cells.ends.x + cells.ends.y) * 0.5;
+    (*cursor).cell = cells.cell;
     (*cursor).front = front;
     (*cursor).is_known = true;
-    (*cursor).is_told = is_found || is_at_end;
-    (*cursor).ahead = select(ray.entry + cells.ends.x, BEYOND, is_at_end);
     return is_found;
 }
 #endif
 
-// At the first surface behind a distance from the eye, or one before it.
-fn first_hit(pixel: vec2<u32>, sub: u32, from_eye: f32, looks: u32) -> Cursor {
-    let ray = ray_of(pixel, sub);
+// At the first surface.
+fn first_hit(pixel: vec2<u32>, sub: u32) -> Cursor {
     var cursor: Cursor;
-    cursor.is_in = ray.count > 0.0;
-    cursor.looks = looks;
+    cursor.is_in = ray_of(pixel, sub).count > 0.0;
     cursor.rank = frame.level_count;
-    // Nodes are not as far as their numbers, and the face by which a cell is entered is looked at from the one before.
-    cursor.next = max(floor(from_eye - ray.entry) - 1.0, 0.0);
     return next_hit(pixel, sub, cursor);
 }
 
@@ -123,12 +115,8 @@ fn first_hit(pixel: vec2<u32>, sub: u32, from_eye: f32, looks: u32) -> Cursor {
 fn next_hit(pixel: vec2<u32>, sub: u32, last: Cursor) -> Cursor {
     let ray = ray_of(pixel, sub);
     var cursor = last;
-    if !cursor.is_in {
-        cursor.is_told = true;
-        cursor.ahead = BEYOND;
-        return cursor;
-    }
-    var is_looking = true;
+    cursor.ahead = BEYOND;
+    var is_looking = cursor.is_in;
     while is_looking {
         if cursor.rank >= frame.level_count {
             is_looking = next_segment(ray, &cursor);
@@ -140,7 +128,6 @@ fn next_hit(pixel: vec2<u32>, sub: u32, last: Cursor) -> Cursor {
                 cursor.number = number;
                 cursor.distance = place_in(ray, Segment(cursor.ends, cursor.values, 0.0), number);
                 cursor.ahead = ray.entry + cursor.distance;
-                cursor.is_told = true;
                 is_looking = false;
             }
         }

@@ -20,53 +20,33 @@ fn nearest() -> u32 {
     return found;
 }
 
-// `place` has the distance up to which surfaces have been met in x, and in y how many of those at that very distance.
 fn follow(turn: ptr<function, Turn>) {
     let pixel = (*turn).pixel;
     let sub = bounds.rows.ray;
     var state = (*turn).state;
-    let begin = state.place.x;
-    let known = u32(max(state.place.y, 0.0));
     for (var i = 0u; i < COUNT; i += 1u) {
-        cursors[i] = first_hit(i, pixel, sub, begin, bounds.most_looks);
+        cursors[i] = first_hit(i, pixel, sub);
         if cursors[i].is_in {
             state.counts.w |= HIT;
         }
     }
-    var at_begin = 0u;
-    var last = begin;
-    var at_last = 0u;
-    var is_open = true;
-    while is_open {
-        let layer = nearest();
+    var layer = nearest();
+    while cursors[layer].ahead < BEYOND {
         let cursor = cursors[layer];
-        if !cursor.is_told || cursor.ahead >= BEYOND {
-            if cursor.is_told {
-                state.counts.w |= DONE;
-            }
-            state.place = vec4<f32>(cursor.ahead, select(0.0, f32(at_last), cursor.ahead == last), 0.0, 0.0);
-            is_open = false;
-            continue;
+        let met = hit(layer, pixel, sub, cursor);
+        state.counts.y += 1u;
+        state.color = over(state.color, met.rgba);
+        if state.surface.w == NOWHERE {
+            state.surface = vec4<f32>(met.normal, cursor.ahead - beam_of(place_of(pixel, sub)).to_base);
         }
-        at_begin += select(0u, 1u, cursor.ahead == begin);
-        if cursor.ahead > begin || (cursor.ahead == begin && at_begin > known) {
-            let met = hit(layer, pixel, sub, cursor);
-            state.counts.y += 1u;
-            state.color = over(state.color, met.rgba);
-            if state.surface.w == NOWHERE {
-                state.surface = vec4<f32>(met.normal, cursor.ahead - beam_of(place_of(pixel, sub)).to_base);
-            }
-            if state.color.a >= frame.limits.z {
-                state.counts.w |= TERMINATED | DONE;
-                is_open = false;
-            }
+        if state.color.a >= frame.limits.z {
+            state.counts.w |= TERMINATED;
+            break;
         }
-        at_last = select(1u, at_last + 1u, cursor.ahead == last);
-        last = cursor.ahead;
-        if is_open {
-            cursors[layer] = next_hit(layer, pixel, sub, cursor);
-        }
+        cursors[layer] = next_hit(layer, pixel, sub, cursor);
+        layer = nearest();
     }
+    state.counts.w |= DONE;
     for (var i = 0u; i < COUNT; i += 1u) {
         state.counts = vec4<u32>(state.counts.xyz + cursors[i].counts, state.counts.w);
     }

@@ -215,8 +215,11 @@ impl Variant {
         if self.layered {
             // One walk goes through all of them, whole and in steps of one length.
             (self.bricks, self.strides, self.chromatic) = (false, false, false);
+            // Surfaces of several volumes are met in one pass: their order is known as long as all of them are at hand.
+            self.wavefront &= self.pass != Isosurface;
         }
         self.layered &= self.traversal == Traversal::Rays && self.pass.is_of_layers();
+        self.layered |= self.pass == Apart;
         self.shadowed &= self.lights() && self.pass.samples() && !slices && !self.bricks;
         self
     }

@@ -41,7 +41,7 @@ fn layers_of_any_kind_are_valid() {
     for (number, variant) in apart.iter().enumerate().filter(|(_, variant)| variant.pass != Pass::Apart) {
         check(&mut linker, number, variant);
     }
-    let merge = [Variant { layered: true, ..Variant::of(Pass::Apart) }; 3];
+    let merge = [Variant::of(Pass::Apart).canonical(); 3];
     check_written(&merge, &linker.link(&merge, Constants::Stored).unwrap_or_else(|error| panic!("{error}")));
     assert!(together.len() > 100 && apart.len() > 100, "{} and {}", together.len(), apart.len());
     // Every kind beside another one.
