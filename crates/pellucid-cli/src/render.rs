@@ -262,7 +262,7 @@ pub fn drawable(scene: &Scene, base: &Base) -> Result<(), Failure> {
     if listed == 0 {
         return Err(Failure::input("the scene lists no volume, and pictures are of one or more"));
     }
-    if listed > 1 && !scene.technique.merges_volumes() {
+    if listed > 1 && !scene.technique.needs().several_volumes {
         let name = scene.technique.name();
         let message = format_args!("the scene lists {listed} volumes, and {name} draws one: keep one");
         return Err(Failure::input(message).hint("--technique ray-cast and path-trace draw several"));

@@ -62,7 +62,7 @@ impl CpuRenderer {
 
     /// Whether the technique draws as many volumes as a stage has.
     fn merges(stage: &Stage) -> bool {
-        !stage.has_layers() || stage.technique.merges_volumes()
+        !stage.has_layers() || stage.technique.needs().several_volumes
     }
 
     /// The same renderer with tiles of another side, in pixels (at least 1). The picture does not

@@ -66,5 +66,6 @@ pub use stage::Stage;
 pub use stage_volume::StageVolume;
 pub use technique::{
     BlendOrder, BlurJitter, BlurScaling, ColorWeight, Combine, Correction, HalfAngle, InScatter, Isosurface, Isovalue,
-    LightCorrection, Majorants, Mode, PathTrace, Proxy, RayCast, Slice, SliceGeometry, SliceTarget, Slicing, Technique,
+    LightCorrection, LightPath, Majorants, Mode, Needs, PathTrace, Proxy, RayCast, Slice, SliceGeometry, SliceTarget,
+    Slicing, Technique,
 };

@@ -6,7 +6,7 @@ use pellucid_optics::{
     OpticsError, Phase, PhaseNormalization, Scattering, ShadowVolume, Shadows, SkyImage, SkySource, SurfaceShare,
 };
 
-use crate::{Background, InScatter, Scene, Technique};
+use crate::{Background, InScatter, LightPath, Scene, Technique};
 
 /// A bundle of ordinary settings: lights, ambient light, shadows, the environment of paths, the background, and how
 /// the volumes answer light. What a transfer function or a preset decides, which values are seen and in
@@ -93,10 +93,11 @@ impl Look {
             Technique::Slicing(_) => {}
         }
         // The others follow light through the volume by themselves, or not at all.
-        if !matches!(scene.technique, Technique::RayCast(_)) {
+        let needs = scene.technique.needs();
+        if !needs.shadows {
             scene.lighting.shadows = Shadows::default();
         }
-        if matches!(scene.technique, Technique::PathTrace(_) | Technique::HalfAngle(_)) {
+        if needs.light == LightPath::Travels {
             scene.lighting.model = LightModel::default();
         }
         for entry in &mut scene.volumes {

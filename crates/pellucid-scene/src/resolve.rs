@@ -122,7 +122,7 @@ impl Scene {
         settled.camera = auto::settled_camera(&self.camera, &framed);
         // What is written down is what is drawn, to the bit.
         let viewpoint = settled.camera.viewpoint(width as usize, height as usize, &[]);
-        let overlap = if technique.heeds_overlap() { self.overlap } else { Overlap::Add };
+        let overlap = if technique.needs().overlap { self.overlap } else { Overlap::Add };
         fuse(overlap, &mut staged).map_err(|error| ResolveError::Optics { path: "overlap".to_owned(), error })?;
         choices.extend(auto::camera_choice(&self.camera, &viewpoint));
         choices.extend(auto::lights_choice(&self.lighting, &self.technique));
@@ -209,7 +209,7 @@ impl Scene {
                 components: volume.components(),
                 voxel_type: volume.voxels().voxel_type(),
             }),
-            None => Ok(!told && self.technique.heeds_colors() && holds_colors(volume)),
+            None => Ok(!told && self.technique.needs().data_colors && holds_colors(volume)),
         }
     }
 

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use crate::origin::smallest_difference;
 use crate::{
-    Background, Classification, HalfAngle, ImageSettings, Isosurface, Isovalue, Mode, Overlap, PathTrace, Quality,
-    Region, RenderWarning, Slice, Slicing, StageVolume, Technique, Viewpoint,
+    Background, Classification, HalfAngle, ImageSettings, Isosurface, Isovalue, LightPath, Mode, Overlap, PathTrace,
+    Quality, Region, RenderWarning, Slice, Slicing, StageVolume, Technique, Viewpoint,
 };
 
 /// A scene with nothing left to choose: what a backend draws.
@@ -84,11 +84,9 @@ impl Stage {
 
     /// Whether samples answer light as a cloud, by the volume's `scattering`.
     pub fn scatters(&self) -> bool {
-        match self.technique {
-            Technique::RayCast(_) | Technique::Slicing(_) => {
-                self.light_model == LightModel::Scattering && *self.mode() == Mode::Composite
-            }
-            Technique::HalfAngle(_) | Technique::PathTrace(_) => true,
+        match self.technique.needs().light {
+            LightPath::Arrives => self.light_model == LightModel::Scattering && *self.mode() == Mode::Composite,
+            LightPath::Travels => true,
         }
     }
 
@@ -96,14 +94,13 @@ impl Stage {
     pub fn shadow_step(&self, volume: &StageVolume) -> Option<f64> {
         let smallest = self.volumes.iter().map(|volume| volume.volume.grid().smallest_spacing());
         let smallest = smallest.fold(f64::INFINITY, f64::min);
-        let step = match (&self.technique, self.mode(), self.shadows) {
-            (Technique::RayCast(_), Mode::Composite | Mode::Isosurface(_), Shadows::Rays(rays)) => rays.step,
+        let surfaces = matches!(self.mode(), Mode::Isosurface(_));
+        let step = match self.shadows {
+            _ if !self.technique.needs().shadows => return None,
+            Shadows::Rays(rays) => rays.step,
             // Shadows of surfaces have edges, and a light volume is that of one volume.
-            (Technique::RayCast(_), Mode::Isosurface(_), Shadows::Volume(_)) => ShadowRays::default().step,
-            (Technique::RayCast(_), Mode::Composite, Shadows::Volume(_)) if self.has_layers() => {
-                ShadowRays::default().step
-            }
-            _ => return None,
+            Shadows::Volume(_) if surfaces || self.has_layers() => ShadowRays::default().step,
+            Shadows::Volume(_) | Shadows::None => return None,
         };
         // What casts shadows need not be lit itself.
         let lit = self.volumes.iter().any(|other| other.material.is_some());
@@ -111,15 +108,10 @@ impl Stage {
     }
 
     /// How each colour of light is held back on its way to the eye and from lights, where techniques composite samples
-    /// themselves and not all colours are lost alike (K-13). Paths look at the extinction, and blending units at one
-    /// opacity.
+    /// themselves and not all colours are lost alike (K-13).
     pub fn chroma(&self, volume: &StageVolume) -> Option<Chroma> {
-        let composites = match self.technique {
-            Technique::RayCast(_) => *self.mode() == Mode::Composite && !self.has_layers(),
-            Technique::HalfAngle(_) => !self.has_layers(),
-            Technique::Slicing(_) | Technique::PathTrace(_) => false,
-        };
-        Chroma::of(&volume.scattering).filter(|_| composites)
+        let needed = self.technique.needs().extinction_color && !self.has_layers();
+        Chroma::of(&volume.scattering).filter(|_| needed)
     }
 
     /// Whether colours from behind are held back each in its own way, which one alpha cannot tell
@@ -134,14 +126,9 @@ impl Stage {
 
     /// Points of a light volume for each voxel and axis, if what is lit of a volume asks for one.
     pub fn light_resolution(&self, volume: &StageVolume) -> Option<f64> {
-        match (&self.technique, self.mode(), self.shadows) {
-            (Technique::RayCast(_), Mode::Composite, Shadows::Volume(ShadowVolume { resolution }))
-                if !self.has_layers() =>
-            {
-                (self.scatters() || volume.material.is_some()).then_some(resolution)
-            }
-            _ => None,
-        }
+        let Shadows::Volume(ShadowVolume { resolution }) = self.shadows else { return None };
+        let asked = self.technique.needs().shadows && *self.mode() == Mode::Composite && !self.has_layers();
+        (asked && (self.scatters() || volume.material.is_some())).then_some(resolution)
     }
 
     /// How many steps of a length off the sample shadow rays begin: off surfaces, as far as the roughness of sampled
@@ -156,10 +143,7 @@ impl Stage {
 
     /// Whether voxels are classified and their colours interpolated (4.2).
     pub fn classifies_voxels(&self) -> bool {
-        let asked = self.quality.classification == Classification::Pre;
-        asked
-            && matches!(self.mode(), Mode::Composite)
-            && !matches!(self.technique, Technique::PathTrace(_) | Technique::HalfAngle(_))
+        self.quality.classification == Classification::Pre && self.technique.needs().classification
     }
 
     /// Whether segments between samples are integrated (4.6); integrals hold all colours back alike.
@@ -216,7 +200,7 @@ impl Stage {
                  precision of samples: what it shows between them is not seen; shift and scale the data's values"
             ))
         });
-        let heeded = self.technique.heeds_colors();
+        let heeded = self.technique.needs().data_colors;
         let volumes = self.volumes.iter().enumerate().filter(|(_, volume)| volume.colors.is_some());
         let unpainted = volumes.filter_map(move |(number, volume)| match heeded {
             false => Some(format!(

@@ -145,7 +145,7 @@ const NEEDS: &[(&str, &[Need])] = &[
 const LAYERED: Need = Need { is_met: |drawn| drawn.stage.has_layers(), otherwise: "there is one volume" };
 
 const NOT_OF_SURFACES: Need = Need {
-    is_met: |drawn| drawn.stage.technique.heeds_overlap(),
+    is_met: |drawn| drawn.stage.technique.needs().overlap,
     otherwise: "surfaces, paths and half-angle light meet all volumes",
 };
 

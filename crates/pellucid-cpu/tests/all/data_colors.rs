@@ -57,9 +57,9 @@ fn alpha_is_the_opacity_of_a_voxel() {
     let exact = [linear(color[0]) * alpha, linear(color[1]) * alpha, linear(color[2]) * alpha, alpha];
     for classification in [Classification::Post, Classification::Pre, Classification::PreIntegrated] {
         for (step, jitter) in [(0.3, Jitter::Centered), (1.7, Jitter::BlueNoise { seed: 2 })] {
-            let found = along_y(&[volume.clone()], 5.3, |scene| {
+            let found = along_y(std::slice::from_ref(&volume), 5.3, |scene| {
                 (scene.quality.classification, scene.quality.step, scene.quality.jitter) =
-                    (classification, step, jitter.clone());
+                    (classification, step, jitter);
             });
             assert_close(found, exact, &format!("{classification:?}, {step}"));
         }
@@ -72,7 +72,7 @@ fn colors_between_voxels_are_their_mean_in_linear_light() {
     let volume = colored(3, |[x, ..]| if x % 2 == 0 { [180, 0, 0, 0] } else { [0, 0, 180, 0] });
     let opacity = 0.2f32;
     for x in [2.0, 2.25, 2.5, 2.9, 0.0, 8.0] {
-        let found = along_y(&[volume.clone()], x, |scene| {
+        let found = along_y(std::slice::from_ref(&volume), x, |scene| {
             scene.volumes[0].colors = Some(Colors::Data);
             scene.volumes[0].transfer_function =
                 Some(crate::common::transfer_function(&[(0.0, 0xff_ffff)], &[(0.0, opacity)]));

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::needs::{LightPath, Needs};
 use crate::check::{Checked, require};
 
 /// Light that travels through the volume while it is drawn: slices halfway between the light and the eye
@@ -123,6 +124,18 @@ pub enum InScatter {
 }
 
 impl HalfAngle {
+    pub(super) fn needs(&self) -> Needs {
+        Needs {
+            light: LightPath::Travels,
+            classification: false,
+            extinction_color: true,
+            shadows: false,
+            several_volumes: true,
+            overlap: false,
+            data_colors: true,
+        }
+    }
+
     pub(super) fn check(&self, path: &str) -> Checked {
         require((16..=4096).contains(&self.resolution), path, "resolution", self.resolution, "16 to 4096 texels")?;
         for (key, factor) in [("direct", self.direct), ("indirect", self.indirect)] {

@@ -7,10 +7,12 @@ use serde::{Deserialize, Serialize};
 use crate::check::{Checked, direction, finite, require};
 
 mod half_angle;
+mod needs;
 mod path_trace;
 mod slicing;
 
 pub use half_angle::{BlurJitter, BlurScaling, HalfAngle, InScatter, LightCorrection};
+pub use needs::{LightPath, Needs};
 pub use path_trace::{Majorants, PathTrace};
 pub use slicing::{BlendOrder, ColorWeight, Correction, Proxy, SliceGeometry, SliceTarget, Slicing};
 
@@ -41,6 +43,21 @@ impl Default for Technique {
 pub struct RayCast {
     /// What becomes of the samples along a ray. Default composite.
     pub mode: Mode,
+}
+
+impl RayCast {
+    fn needs(&self) -> Needs {
+        let (composites, meets_surfaces) = (self.mode == Mode::Composite, matches!(self.mode, Mode::Isosurface(_)));
+        Needs {
+            light: LightPath::Arrives,
+            classification: composites,
+            extinction_color: composites,
+            shadows: composites || meets_surfaces,
+            several_volumes: true,
+            overlap: !meets_surfaces,
+            data_colors: composites,
+        }
+    }
 }
 
 /// What becomes of the samples along a ray.
@@ -180,28 +197,13 @@ impl Technique {
         }
     }
 
-    /// Whether it draws several volumes in one picture.
-    pub fn merges_volumes(&self) -> bool {
+    /// What it asks of a scene.
+    pub fn needs(&self) -> Needs {
         match self {
-            Self::RayCast(_) | Self::HalfAngle(_) | Self::PathTrace(_) => true,
-            Self::Slicing(_) => false,
-        }
-    }
-
-    /// Whether it composites samples that may have colours of their own.
-    pub fn heeds_colors(&self) -> bool {
-        match self {
-            Self::RayCast(RayCast { mode }) => *mode == Mode::Composite,
-            Self::HalfAngle(_) => true,
-            Self::Slicing(_) | Self::PathTrace(_) => false,
-        }
-    }
-
-    /// Whether a rule of overlap decides anything: rays that meet surfaces, paths, and light on its way meet all volumes.
-    pub fn heeds_overlap(&self) -> bool {
-        match self {
-            Self::RayCast(RayCast { mode }) => !matches!(mode, Mode::Isosurface(_)),
-            Self::Slicing(_) | Self::HalfAngle(_) | Self::PathTrace(_) => false,
+            Self::RayCast(ray_cast) => ray_cast.needs(),
+            Self::Slicing(slicing) => slicing.needs(),
+            Self::HalfAngle(half_angle) => half_angle.needs(),
+            Self::PathTrace(path_trace) => path_trace.needs(),
         }
     }
 

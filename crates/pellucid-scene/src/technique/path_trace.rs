@@ -4,6 +4,7 @@ use pellucid_optics::Environment;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::needs::{LightPath, Needs};
 use crate::check::{Checked, join, positive, require};
 use crate::check_optics;
 
@@ -87,6 +88,19 @@ pub enum Majorants {
 }
 
 impl PathTrace {
+    /// Paths look at extinctions, of each colour if they differ, and not at opacities of samples.
+    pub(super) fn needs(&self) -> Needs {
+        Needs {
+            light: LightPath::Travels,
+            classification: false,
+            extinction_color: false,
+            shadows: false,
+            several_volumes: true,
+            overlap: false,
+            data_colors: false,
+        }
+    }
+
     /// Fewest paths by which [`noise`](Self::noise) is judged: of fewer, dark pixels are often not without noise but
     /// unlucky.
     pub const LEAST_TO_JUDGE: u32 = 64;

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::needs::{LightPath, Needs};
 use super::{Mode, Slice};
 use crate::check::{Checked, require};
 
@@ -125,6 +126,19 @@ pub enum Proxy {
 }
 
 impl Slicing {
+    /// Blending units hold all colours back alike, and look at no light.
+    pub(super) fn needs(&self) -> Needs {
+        Needs {
+            light: LightPath::Arrives,
+            classification: self.mode == Mode::Composite,
+            extinction_color: false,
+            shadows: false,
+            several_volumes: false,
+            overlap: false,
+            data_colors: false,
+        }
+    }
+
     pub(super) fn check(&self, path: &str) -> Checked {
         if let Mode::Slice(Slice { thickness, .. }) = self.mode {
             let expected = "a length above 0: a plane is for the ray caster";
