@@ -1,7 +1,7 @@
 //! What a stage asks for that would take far more time or memory than its picture is worth, and what is done.
 
 use pellucid_optics::path_extinction;
-use pellucid_scene::{RenderWarning, Stage, StageVolume, Technique};
+use pellucid_scene::{RenderWarning, Stage, StageVolume};
 
 use crate::half_angle::{Geometry, LightPoints, around, lights};
 
@@ -12,7 +12,7 @@ pub fn cautions(stage: &Stage, side: usize) -> impl Iterator<Item = RenderWarnin
     let volumes = stage.volumes.iter().enumerate();
     volumes
         .flat_map(move |(number, volume)| {
-            let dense = matches!(stage.technique, Technique::PathTrace(_)).then(|| too_dense(number, volume));
+            let dense = stage.path_trace().map(|_| too_dense(number, volume));
             // Light of half-angle slices passes all volumes in the same slabs.
             let sweeps = number == 0 || stage.half_angle().is_none();
             let slabs = sweeps.then(|| too_many_slabs(stage, volume, side));
@@ -37,16 +37,14 @@ fn too_many_points(stage: &Stage, volume: &StageVolume, side: usize) -> Option<R
 }
 
 fn too_many_slabs(stage: &Stage, volume: &StageVolume, side: usize) -> Option<RenderWarning> {
-    let grid = match &stage.technique {
-        Technique::HalfAngle(_) => around(stage).ok()?,
-        _ => *volume.volume.grid(),
-    };
-    let geometries: Vec<Geometry> = match &stage.technique {
-        Technique::HalfAngle(settings) => {
+    let mut grid = *volume.volume.grid();
+    let geometries: Vec<Geometry> = match stage.half_angle() {
+        Some(settings) => {
+            grid = around(stage).ok()?;
             let lights = lights(stage, settings).ok()?;
             lights.iter().filter_map(|(_, light)| Geometry::new(stage, &grid, settings, light)).collect()
         }
-        _ => {
+        None => {
             let points = LightPoints::of(stage, volume, side).ok()??;
             let sweep = |light| Geometry::of_light(stage.step, &grid, light, points.texels);
             stage.lights.iter().filter_map(sweep).collect()

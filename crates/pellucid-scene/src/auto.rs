@@ -309,7 +309,7 @@ fn is_default(lighting: &Lighting) -> bool {
 }
 
 fn lit_by_environment(technique: &Technique) -> bool {
-    matches!(technique, Technique::PathTrace(settings) if settings.environment != Environment::Dark)
+    technique.environment().is_some_and(|environment| *environment != Environment::Dark)
 }
 
 /// What lights a technique that follows light, where the scene left it open.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use pellucid_optics::{Environment, SkySource};
 
-use crate::{HeightSource, ModelSource, Scene, Source, Technique};
+use crate::{HeightSource, ModelSource, Scene, Source};
 
 impl Scene {
     /// Every name of a file in the scene, to be looked at or changed: volumes, maps of heights, phase functions, and
@@ -25,8 +25,7 @@ impl Scene {
             }
             files.extend(entry.scattering.phase.file_mut());
         }
-        if let Technique::PathTrace(settings) = &mut self.technique
-            && let Environment::Image(image) = &mut settings.environment
+        if let Some(Environment::Image(image)) = self.technique.environment_mut()
             && let SkySource::File(path) = &mut image.source
         {
             files.push(path);

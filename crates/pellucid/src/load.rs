@@ -8,7 +8,7 @@ use pellucid_field::{Grid, Volume, VoxelType, Warning, closed_form, memory};
 use pellucid_io::{Endian, IoError, Limits, RawLayout, ReadOptions, Transfer, locate, read_picture};
 use pellucid_model::{Clouds, HeightField, HeightMap, Ramp, Spectral};
 use pellucid_optics::{Environment, SkyMap, SkySource, srgb_decode};
-use pellucid_scene::{HeightFieldSource, HeightSource, Held, ModelSource, SampleSource, Scene, Source, Technique};
+use pellucid_scene::{HeightFieldSource, HeightSource, Held, ModelSource, SampleSource, Scene, Source};
 
 use crate::{LoadError, phase_file};
 
@@ -121,8 +121,7 @@ pub fn load_optics(scene: &mut Scene, base: impl AsRef<Path>) -> Result<(), Load
 pub fn load_optics_with(scene: &mut Scene, base: impl AsRef<Path>, options: &LoadOptions) -> Result<(), LoadError> {
     let folder = Folder { path: base.as_ref(), options };
     let limits = &options.read.limits;
-    if let Technique::PathTrace(settings) = &mut scene.technique
-        && let Environment::Image(image) = &mut settings.environment
+    if let Some(Environment::Image(image)) = scene.technique.environment_mut()
         && let SkySource::File(path) = &image.source
     {
         image.map = Some(Arc::new(sky(&folder.locate(path)?, limits)?));

@@ -1,6 +1,6 @@
 //! Which technique draws, and its settings.
 
-use pellucid_optics::Color;
+use pellucid_optics::{Color, Environment};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -194,6 +194,22 @@ impl Technique {
             Self::Slicing(_) => "slicing",
             Self::HalfAngle(_) => "half_angle",
             Self::PathTrace(_) => "path_trace",
+        }
+    }
+
+    /// What shines from around, where the technique knows of it.
+    pub fn environment(&self) -> Option<&Environment> {
+        match self {
+            Self::PathTrace(PathTrace { environment, .. }) => Some(environment),
+            Self::RayCast(_) | Self::Slicing(_) | Self::HalfAngle(_) => None,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn environment_mut(&mut self) -> Option<&mut Environment> {
+        match self {
+            Self::PathTrace(PathTrace { environment, .. }) => Some(environment),
+            Self::RayCast(_) | Self::Slicing(_) | Self::HalfAngle(_) => None,
         }
     }
 

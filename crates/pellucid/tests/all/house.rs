@@ -55,6 +55,51 @@ fn no_type_name_stands_twice_in_a_crate() {
     );
 }
 
+/// Where techniques are told apart by name, beside the document: what makes their renderers in each backend, what tells
+/// settings without effect, looks, and the command line. All else asks what they need.
+const BY_NAME: [&str; 9] = [
+    "pellucid-scene/src/stage.rs",
+    "pellucid-scene/src/look.rs",
+    "pellucid-cpu/src/renderer.rs",
+    "pellucid-gpu/src/renderer.rs",
+    "pellucid-gpu/src/optics.rs",
+    "pellucid/src/effect.rs",
+    "pellucid/src/progressive/passes.rs",
+    "pellucid-cli/src/engine.rs",
+    "pellucid-cli/src/render.rs",
+];
+
+#[test]
+fn techniques_are_told_apart_in_few_places() {
+    let technique = fs::read_to_string(root().join("crates/pellucid-scene/src/technique/mod.rs")).unwrap();
+    let variants = technique.split("pub enum Technique {").nth(1).unwrap().split("\n}").next().unwrap();
+    let names: Vec<String> = variants
+        .lines()
+        .filter(|line| line.starts_with("    ") && !line.trim_start().starts_with("///"))
+        .filter_map(|line| Some(format!("Technique::{}", line.trim().split_once('(')?.0)))
+        .collect();
+    assert!(names.len() >= 4, "{names:?}");
+    let mut found = BTreeSet::new();
+    let mut folders = vec![root().join("crates")];
+    while let Some(folder) = folders.pop() {
+        for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let name = path.strip_prefix(root().join("crates")).unwrap().to_string_lossy().replace('\\', "/");
+            let is_source = name.contains("/src/") && name.ends_with(".rs") && !name.ends_with("tests.rs");
+            if is_source && names.iter().any(|name| fs::read_to_string(&path).unwrap().contains(name)) {
+                found.insert(name);
+            }
+        }
+    }
+    let beside: Vec<_> = found.iter().filter(|name| !BY_NAME.contains(&name.as_str())).collect();
+    assert!(beside.is_empty(), "{beside:?} match on techniques: ask `Technique::needs`, or say there what is needed");
+    let gone: Vec<_> = BY_NAME.iter().filter(|name| !found.contains(**name)).collect();
+    assert!(gone.is_empty(), "{gone:?} match on no technique any more: take them off the list");
+}
+
 /// The table of rooms: each crate, in order, and those it may use.
 fn rooms() -> Vec<(String, Vec<String>)> {
     let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
