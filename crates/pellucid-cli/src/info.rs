@@ -24,7 +24,8 @@ pub struct InfoArgs {
     /// Print one JSON array, an object per volume or adapter
     #[arg(long)]
     json: bool,
-    /// Component of the histogram and the automatic choices, from 0 [default: the scene's, else 0]
+    /// Component of the histogram and the automatic choices, from 0 [default: the scene's; else 0 for the
+    /// histogram, and for choices what a picture would be of]
     #[arg(long, value_name = "K")]
     component: Option<usize>,
     #[command(flatten)]
@@ -74,8 +75,9 @@ impl<'v> About<'v> {
         component: Option<usize>,
         warnings: &'v [Warning],
     ) -> Result<Self, Failure> {
-        let component = component.or(entry.component).unwrap_or_default();
-        let entry = VolumeEntry { component: Some(component), scattering: Scattering::default(), ..entry.clone() };
+        let asked = component.or(entry.component);
+        let component = asked.unwrap_or_default();
+        let entry = VolumeEntry { component: asked, scattering: Scattering::default(), ..entry.clone() };
         let scene = Scene { volumes: vec![entry], ..Scene::default() };
         let (stage, mut choices) = scene.resolve(std::slice::from_ref(volume))?;
         choices.retain(|choice| choice.setting != "camera");

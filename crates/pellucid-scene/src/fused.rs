@@ -17,5 +17,6 @@ pub fn fuse(overlap: Overlap, volumes: &mut [StageVolume]) -> Result<(), OpticsE
     let tf = &volumes[opacity].transfer_function;
     let white = vec![ColorPoint::new(0.0, Color::WHITE)];
     volumes[opacity].transfer_function = of(white, tf.opacities().to_vec(), tf)?;
+    volumes[opacity].colors = None;
     Ok(())
 }

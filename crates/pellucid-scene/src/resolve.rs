@@ -47,8 +47,8 @@ pub enum ResolveError {
     },
     /// Colours asked for of voxels that are none.
     #[error(
-        "volumes[{volume}].colors is \"data\", but its voxels are {components} components of {voxel_type}, and colours \
-         are 3 or 4 of u8 or u16"
+        "volumes[{volume}].colors is \"data\", and {components} x {voxel_type} to a voxel are no colours: those are 3 or 4 \
+         components of u8 or u16"
     )]
     Colors {
         /// Position in the list.

@@ -407,7 +407,7 @@ fn colours_are_drawn_in_them_and_other_components_said() {
     let mut scene = Scene::of(Source::memory());
     scene.volumes[0].colors = Some(Colors::Data);
     let refused = scene.resolve(&[Arc::new(vectors())]).unwrap_err().to_string();
-    assert!(refused.contains("volumes[0].colors") && refused.contains("3 components of f32"), "{refused}");
+    assert!(refused.contains("volumes[0].colors") && refused.contains("3 x f32"), "{refused}");
 }
 
 #[test]
