@@ -140,3 +140,18 @@ fn colored_voxels_meet_other_volumes() {
     let gray = alpha * second / (first + second);
     assert_close(found, [alpha, gray, gray, alpha], "both");
 }
+
+/// Of two volumes that are fused, the one that gives opacity has no colours, not even its own.
+#[test]
+fn fused_volumes_have_the_colors_of_one() {
+    let volumes = [colored(3, |_| [255, 0, 0, 0]), colored(3, |_| [0, 255, 0, 0])];
+    let found = along_y(&volumes, 4.0, |scene| {
+        scene.overlap = pellucid_scene::Overlap::Fused { color: 0, opacity: 1 };
+        for entry in &mut scene.volumes {
+            entry.colors = Some(Colors::Data);
+            entry.transfer_function = Some(crate::common::transfer_function(&[(0.0, 0xff_ffff)], &[(0.0, 0.1)]));
+        }
+    });
+    let alpha = held_back(0.1);
+    assert_close(found, [alpha, 0.0, 0.0, alpha], "fused");
+}

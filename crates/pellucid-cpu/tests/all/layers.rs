@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
-use pellucid_cpu::{CpuRenderer, RenderError};
+use pellucid_cpu::{CpuRenderer, InstructionSet, RenderError};
 use pellucid_field::{Filter, Sampler, Volume};
 use pellucid_optics::{
     Color, Environment, Falloff, Light, LightKind, LightModel, Phase, PhaseNormalization, Scattering, ShadowRays,
@@ -362,6 +362,32 @@ fn skipping_knows_where_samples_are() {
             same(&skipped, &whole, &format!("{classification:?}, {jitter}, {azimuth}, {step}, without skipping"));
             let [some, all] = [&skipped, &whole].map(|frame| frame.statistics.samples);
             assert!(some < all - all / 25, "hardly anything is skipped: {some} of {all} samples are taken");
+        }
+    }
+}
+
+/// Whatever instructions follow the rays: they differ by the rounding of fused products.
+#[test]
+fn every_set_of_instructions_merges_alike() {
+    for mode in modes() {
+        for classification in [Classification::Post, Classification::Pre, Classification::PreIntegrated] {
+            let stage = stage(&three(), |scene| {
+                set_mode(scene, mode.clone());
+                lit(scene);
+                scene.quality.classification = classification;
+                scene.camera.view = View::Orbit(Orbit { azimuth: 30.0, elevation: 20.0, ..Orbit::default() });
+            });
+            let draw = |set| {
+                let mut renderer = CpuRenderer::new().with_instructions(set).ok()?;
+                Some(renderer.render(&stage, &Control::default()).unwrap())
+            };
+            let baseline = draw(InstructionSet::Baseline).unwrap();
+            for set in [InstructionSet::Avx2, InstructionSet::Avx512] {
+                let Some(frame) = draw(set) else { continue };
+                let pairs = frame.color.as_flattened().iter().zip(baseline.color.as_flattened());
+                let far = pairs.filter(|(a, b)| (*a - *b).abs() > 1e-4).count();
+                assert_eq!(far, 0, "{set} and baseline, {mode:?}, {classification:?}");
+            }
         }
     }
 }
