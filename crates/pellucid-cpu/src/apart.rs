@@ -56,12 +56,12 @@ impl<S: Lanes> Apart<'_, S> {
     fn merge(&self, each: &[&Traced], traced: &mut Traced) {
         let (s, zero) = (self.s, splat(self.s, 0.0));
         let (mut elements, mut sum, mut samples) = (Vec::with_capacity(each.len()), [zero; 3], zero);
-        let mut through = splat(s, 1.0);
+        let mut transmittance = splat(s, 1.0);
         let (mut most, mut depth, mut normal) = (zero, splat(s, f32::INFINITY), [zero; 3]);
         for found in each {
             let rgba = rgba!(C => load(s, &found.color[C]));
             sum = xyz!(C => sum[C] + rgba[C]);
-            through -= through * rgba[3];
+            transmittance -= transmittance * rgba[3];
             samples += load(s, &found.samples);
             // What is seen best tells where.
             let best = rgba[3].simd_gt(most);
@@ -71,7 +71,7 @@ impl<S: Lanes> Apart<'_, S> {
             elements.push(Element { rgba, visible: rgba[3].simd_gt(zero) });
         }
         let color = match self.merging {
-            Merging::Sum => [sum[0], sum[1], sum[2], splat(s, 1.0) - through],
+            Merging::Sum => [sum[0], sum[1], sum[2], splat(s, 1.0) - transmittance],
             Merging::Overlap(overlap) => {
                 let Element { rgba, visible } = merged(s, overlap, &elements);
                 rgba!(C => visible.select(rgba[C], zero))
@@ -130,9 +130,9 @@ impl<S: Lanes> Isosurfaced<'_, S> {
             to[lane] = from[lane];
         }
         for (_, hit) in met {
-            let through = 1.0 - traced.color[3][lane];
+            let transmittance = 1.0 - traced.color[3][lane];
             for (to, from) in traced.color.iter_mut().zip(hit.rgba) {
-                to[lane] += through * from[lane];
+                to[lane] += transmittance * from[lane];
             }
             if traced.color[3][lane] >= self.early_termination {
                 return;

@@ -7,10 +7,10 @@ use crate::lanes::*;
 
 /// What is left of each colour where these shares of the one that is lost least are left.
 #[inline(always)]
-pub fn each<S: Lanes>(s: S, chroma: Option<&Chroma>, through: F32<S>) -> [F32<S>; 3] {
-    let Some(Chroma { ratios, .. }) = chroma else { return [through; 3] };
+pub fn each<S: Lanes>(s: S, chroma: Option<&Chroma>, transmittance: F32<S>) -> [F32<S>; 3] {
+    let Some(Chroma { ratios, .. }) = chroma else { return [transmittance; 3] };
     // What is not held back at all passes what lets nothing else through.
-    xyz!(C => if ratios[C] == 0.0 { splat(s, 1.0) } else { power(s, through, splat(s, ratios[C])) })
+    xyz!(C => if ratios[C] == 0.0 { splat(s, 1.0) } else { power(s, transmittance, splat(s, ratios[C])) })
 }
 
 /// What is held back of each colour at these opacities of the one that is lost least.
@@ -42,10 +42,10 @@ pub fn over_length<S: Lanes>(s: S, chroma: Option<&Chroma>, rgba: [F32<S>; 4], r
 /// Associated colours in front of others.
 #[inline(always)]
 pub fn over<S: Lanes>(s: S, chroma: Option<&Chroma>, front: [F32<S>; 4], behind: [F32<S>; 4]) -> [F32<S>; 4] {
-    let through = splat(s, 1.0) - front[3];
-    let [r, g, b] = each(s, chroma, through);
-    let through = [r, g, b, through];
-    rgba!(C => through[C].mul_add(behind[C], front[C]))
+    let transmittance = splat(s, 1.0) - front[3];
+    let [r, g, b] = each(s, chroma, transmittance);
+    let transmittance = [r, g, b, transmittance];
+    rgba!(C => transmittance[C].mul_add(behind[C], front[C]))
 }
 
 /// What is held back of all colours, in the mean.

@@ -47,9 +47,9 @@ impl Accumulation {
         lanes: Mask<S>,
     ) -> Mask<S> {
         let zero = splat(s, 0.0);
-        let through = lanes.select(splat(s, 1.0) - ray.color[3], zero);
+        let transmittance = lanes.select(splat(s, 1.0) - ray.color[3], zero);
         match &self.chroma {
-            None => ray.color = rgba!(C => through.mul_add(rgba[C], ray.color[C])),
+            None => ray.color = rgba!(C => transmittance.mul_add(rgba[C], ray.color[C])),
             Some(_) => {
                 let found = chroma::over(s, self.chroma.as_ref(), ray.color, rgba);
                 ray.color = rgba!(C => lanes.select(found[C], ray.color[C]));

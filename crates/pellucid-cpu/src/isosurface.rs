@@ -222,8 +222,8 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
                     || gradient,
                 );
             }
-            let through = lanes.select(splat(s, 1.0) - met.color[3], splat(s, 0.0));
-            met.color = rgba!(C => through.mul_add(rgba[C], met.color[C]));
+            let transmittance = lanes.select(splat(s, 1.0) - met.color[3], splat(s, 0.0));
+            met.color = rgba!(C => transmittance.mul_add(rgba[C], met.color[C]));
             let first = lanes & met.depth.simd_eq(splat(s, f32::INFINITY));
             let normal = normals(s, gradient).0;
             met.depth = first.select(distance, met.depth);

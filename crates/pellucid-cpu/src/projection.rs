@@ -270,7 +270,7 @@ impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
             tally,
             #[inline(always)]
             |_, rays, traced, counter| {
-                let mut through = splat(s, 1.0);
+                let mut transmittance = splat(s, 1.0);
                 let mut march = March::new(s, rays, None);
                 while march.run(
                     s,
@@ -288,11 +288,11 @@ impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
                             let corrected = opacity_over(s, alpha, sample.ratio);
                             alpha = sample.ratio.simd_lt(splat(s, 1.0)).select(corrected, alpha);
                         }
-                        through = visible.select(through - through * alpha, through);
+                        transmittance = visible.select(transmittance - transmittance * alpha, transmittance);
                         all(s, false)
                     },
                 ) {}
-                traced.set_color::<S>([splat(s, 1.0) - through; 4]);
+                traced.set_color::<S>([splat(s, 1.0) - transmittance; 4]);
             },
         );
     }

@@ -174,7 +174,7 @@ impl<'a, S: Lanes> Surface<'a, S> {
             #[inline(always)]
             |light| match &self.shadow {
                 Some(shadow) => {
-                    chroma::each(s, self.chroma.as_ref(), shadow.through(s, light, &sample.index, sample.lanes))
+                    chroma::each(s, self.chroma.as_ref(), shadow.transmittance(s, light, &sample.index, sample.lanes))
                 }
                 None => [splat(s, 1.0); 3],
             },
@@ -192,7 +192,7 @@ impl<'a, S: Lanes> Surface<'a, S> {
         sample: &Unlit<S>,
         aim: &Aim<S>,
         gradient: impl FnOnce() -> Vec3<S>,
-        through: impl Fn(usize) -> [F32<S>; 3],
+        transmittance: impl Fn(usize) -> [F32<S>; 3],
     ) -> [F32<S>; 4] {
         let (material, zero, one) = (&self.material, splat(s, 0.0), splat(s, 1.0));
         let Unlit { rgba, value, index, lanes } = *sample;
@@ -218,9 +218,9 @@ impl<'a, S: Lanes> Surface<'a, S> {
         let mut reflected = Reflected { diffuse: [if cloud.is_some() { zero } else { unlit }; 3], specular: [zero; 3] };
         let mut scattered = [zero; 3];
         for ((number, light), (halfway, weight)) in self.directional.iter().zip(aim.halfway.iter().zip(&aim.weight)) {
-            let through = through(*number);
+            let transmittance = transmittance(*number);
             let to_light = xyz!(I => splat(s, light.to_light[I]));
-            let radiance = xyz!(C => through[C] * light.radiance[C]);
+            let radiance = xyz!(C => transmittance[C] * light.radiance[C]);
             let light = IncidentLanes { to_light, radiance, specular: light.specular };
             if has_surface {
                 self.reflect(s, &mut reflected, &light, &normal, halfway);
@@ -234,9 +234,9 @@ impl<'a, S: Lanes> Surface<'a, S> {
             }
         }
         for (number, light) in &self.local {
-            let through = through(*number);
+            let transmittance = transmittance(*number);
             let IncidentLanes { to_light, radiance, specular } = self.incident(s, light, &index, lanes);
-            let light = IncidentLanes::<S> { to_light, radiance: xyz!(C => radiance[C] * through[C]), specular };
+            let light = IncidentLanes::<S> { to_light, radiance: xyz!(C => radiance[C] * transmittance[C]), specular };
             if has_surface {
                 let halfway = normalized(s, xyz!(I => light.to_light[I] + aim.to_eye[I]));
                 self.reflect(s, &mut reflected, &light, &normal, &halfway);

@@ -75,11 +75,11 @@ impl Varied<'_> {
 
     /// What gets through of indirect light.
     #[inline(always)]
-    pub fn transport<S: Lanes>(&self, s: S, noise: &[F32<S>; 4], through: [F32<S>; 3]) -> [F32<S>; 3] {
+    pub fn transport<S: Lanes>(&self, s: S, noise: &[F32<S>; 4], transmittance: [F32<S>; 3]) -> [F32<S>; 3] {
         if self.variation.weights[2] == 0.0 {
-            return through;
+            return transmittance;
         }
-        xyz!(C => power(s, through[C], noise[C].mul_add(splat(s, self.variation.weights[2]), splat(s, 1.0))))
+        xyz!(C => power(s, transmittance[C], noise[C].mul_add(splat(s, self.variation.weights[2]), splat(s, 1.0))))
     }
 }
 

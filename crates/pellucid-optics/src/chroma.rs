@@ -21,8 +21,8 @@ impl Chroma {
     }
 
     /// What is left of each colour where this share of the one that is lost least is left.
-    pub fn each(&self, through: f32) -> [f32; 3] {
-        self.ratios.map(|ratio| through.powf(ratio))
+    pub fn each(&self, transmittance: f32) -> [f32; 3] {
+        self.ratios.map(|ratio| transmittance.powf(ratio))
     }
 
     /// What is held back of all colours, in the mean, at an opacity of the one that is lost least.

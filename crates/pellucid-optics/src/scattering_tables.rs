@@ -54,7 +54,7 @@ impl TransportTable {
         }
         let entry = |value| {
             let unit = scattering.transport_at(value).unwrap_or([1.0; 3]);
-            let [r, g, b] = unit.map(|through| f64::from(through).powf(ratio) as f32);
+            let [r, g, b] = unit.map(|transmittance| f64::from(transmittance).powf(ratio) as f32);
             [r, g, b, 0.0]
         };
         let (nodes, entries) = tabulate(data, entry)?;

@@ -208,7 +208,7 @@ impl Variation {
 
     /// What gets through of indirect light, under a noise: its attenuation varies as extinction does, by the
     /// first three channels.
-    pub fn transport(&self, noise: [f32; 4], through: [f32; 3]) -> [f32; 3] {
-        [0, 1, 2].map(|c| through[c].powf(1.0 + self.weights[2] * noise[c]))
+    pub fn transport(&self, noise: [f32; 4], transmittance: [f32; 3]) -> [f32; 3] {
+        [0, 1, 2].map(|c| transmittance[c].powf(1.0 + self.weights[2] * noise[c]))
     }
 }

@@ -59,7 +59,7 @@ impl<'a, S: Lanes> Blur<'a, S> {
         }
         for (lost, opacity) in to.chunks_exact_mut(MOST_CHANNELS).zip(opacity.chunks_exact(MOST_CHANNELS)) {
             // Of each colour, what is left of direct light and what of it gets through.
-            let [direct, through] = [1.0 - lost[0], 1.0 - opacity[0]].map(|left| match self.step.chroma {
+            let [direct, transmittance] = [1.0 - lost[0], 1.0 - opacity[0]].map(|left| match self.step.chroma {
                 None => [left; 3],
                 Some(chroma) => chroma.each(left),
             });
@@ -67,7 +67,7 @@ impl<'a, S: Lanes> Blur<'a, S> {
                 // Light that becomes indirect on the way loses the rest of the way as such. As a share of what gets
                 // through all of it, which the slab takes next.
                 let passing = 1.0 - opacity[channel + 1];
-                let scattered = if passing > 0.0 { (1.0 - through[channel] / passing).max(0.0) } else { 0.0 };
+                let scattered = if passing > 0.0 { (1.0 - transmittance[channel] / passing).max(0.0) } else { 0.0 };
                 lost[channel + 1] -= scattered * self.step.phase[channel] * direct[channel];
             }
         }

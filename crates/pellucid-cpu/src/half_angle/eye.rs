@@ -27,7 +27,7 @@ pub struct ClassifiedSample<S: Lanes> {
     /// Lanes with any opacity.
     pub visible: Mask<S>,
     /// What gets through of indirect light over half of a slab, if that is something else.
-    pub through: Option<[F32<S>; 3]>,
+    pub transmittance: Option<[F32<S>; 3]>,
 }
 
 /// What holds light back on its way through a slab to a sample: all that is there.
@@ -35,7 +35,7 @@ pub struct Attenuation<S: Lanes> {
     /// Opacity of one step.
     pub alpha: F32<S>,
     /// What gets through of indirect light over half of the slab, where most samples are, if that is something else.
-    pub through: Option<[F32<S>; 3]>,
+    pub transmittance: Option<[F32<S>; 3]>,
 }
 
 /// A volume as the eye looks at it.
@@ -97,17 +97,17 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
         if let Some((varied, noise)) = &noise {
             one_step = varied.associated(s, noise, one_step);
         }
-        let through = match &self.half_transport {
+        let transmittance = match &self.half_transport {
             Some(table) if light.channels() > 1 => {
-                let through = transport::through(s, table, value, splat(s, 1.0));
+                let transmittance = transport::transmittance(s, table, value, splat(s, 1.0));
                 Some(match &noise {
-                    Some((varied, noise)) => varied.transport(s, noise, through),
-                    None => through,
+                    Some((varied, noise)) => varied.transport(s, noise, transmittance),
+                    None => transmittance,
                 })
             }
             _ => None,
         };
-        Some(ClassifiedSample { value, one_step, visible, through })
+        Some(ClassifiedSample { value, one_step, visible, transmittance })
     }
 
     /// What samples in slab k send to the eye, in the light that comes to them through what is `held` back there.
@@ -153,11 +153,11 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
     /// What gets through half a slab of indirect light: what samples say or, where they say nothing, as much as of
     /// direct light.
     #[inline(always)]
-    pub fn half_through(&self, sight: &ClassifiedSample<S>) -> [F32<S>; 3] {
+    pub fn half_transmittance(&self, sight: &ClassifiedSample<S>) -> [F32<S>; 3] {
         let s = self.s;
-        sight.through.unwrap_or_else(|| {
-            let through = part_through(s, splat(s, 1.0) - sight.one_step[3], splat(s, self.half));
-            chroma::each(s, self.chroma.as_ref(), through)
+        sight.transmittance.unwrap_or_else(|| {
+            let transmittance = part_transmittance(s, splat(s, 1.0) - sight.one_step[3], splat(s, self.half));
+            chroma::each(s, self.chroma.as_ref(), transmittance)
         })
     }
 
@@ -204,7 +204,7 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
         light: &LightBuffer,
         index: &Vec3<S>,
         part: F32<S>,
-        &Attenuation { alpha, through }: &Attenuation<S>,
+        &Attenuation { alpha, transmittance }: &Attenuation<S>,
         k: usize,
     ) -> Light<S> {
         let (s, one) = (self.s, splat(self.s, 1.0));
@@ -220,15 +220,15 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
                 (inside, inside / self.half)
             }
         };
-        let left = part_through(s, one - alpha, inside);
-        let indirect = match (indirect, through) {
+        let left = part_transmittance(s, one - alpha, inside);
+        let indirect = match (indirect, transmittance) {
             (None, _) => None,
             (Some(light), None) => {
                 let left = chroma::each(s, self.chroma.as_ref(), left);
                 Some(xyz!(C => light[C] * left[C]))
             }
-            (Some(light), Some(through)) => {
-                let passing = xyz!(C => transport::over(s, through[C], halves));
+            (Some(light), Some(transmittance)) => {
+                let passing = xyz!(C => transport::over(s, transmittance[C], halves));
                 let mut indirect = xyz!(C => light[C] * passing[C]);
                 if let Some(into_cone) = self.into_cone {
                     // As light does that passes the slab.
@@ -247,8 +247,8 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
 
 /// What gets through so many steps, of which one lets `through` through. Half a step is what most samples ask.
 #[inline(always)]
-fn part_through<S: Lanes>(s: S, through: F32<S>, steps: F32<S>) -> F32<S> {
+fn part_transmittance<S: Lanes>(s: S, transmittance: F32<S>, steps: F32<S>) -> F32<S> {
     let half = steps.simd_eq(splat(s, 0.5));
-    let root = through.max(splat(s, 0.0)).sqrt();
-    if half.all_true() { root } else { half.select(root, power(s, through, steps)) }
+    let root = transmittance.max(splat(s, 0.0)).sqrt();
+    if half.all_true() { root } else { half.select(root, power(s, transmittance, steps)) }
 }

@@ -167,7 +167,7 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
                         eye.see(&passage, lanes, light.1).map(
                             #[inline(always)]
                             |sight| {
-                                let held = Attenuation { alpha: sight.one_step[3], through: sight.through };
+                                let held = Attenuation { alpha: sight.one_step[3], transmittance: sight.transmittance };
                                 let element = eye.lit(&sight, &held, &passage, light, (&line.aim, &line.cut));
                                 SlabElement { place: passage.place, element }
                             },
@@ -248,16 +248,16 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
                         sights.push((eye, line, passage, sight));
                     }
                 }
-                let mut through = None;
-                if sights.iter().any(|(.., sight)| sight.through.is_some()) {
+                let mut transmittance = None;
+                if sights.iter().any(|(.., sight)| sight.transmittance.is_some()) {
                     let mut product = [one; 3];
                     for (eye, .., sight) in &sights {
-                        let own = eye.half_through(sight);
+                        let own = eye.half_transmittance(sight);
                         product = xyz!(C => sight.visible.select(product[C] * own[C], product[C]));
                     }
-                    through = Some(product);
+                    transmittance = Some(product);
                 }
-                let (held, mut place) = (Attenuation { alpha: one - left, through }, splat(s, 0.0));
+                let (held, mut place) = (Attenuation { alpha: one - left, transmittance }, splat(s, 0.0));
                 let mut elements = Vec::with_capacity(sights.len());
                 for (eye, line, passage, sight) in &sights {
                     elements.push(eye.lit(sight, &held, passage, light, (&line.aim, &line.cut)));
@@ -362,7 +362,7 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
     #[inline(always)]
     fn half_from_eye(&self, lines: &[Crossings<S>], slabs: Range<usize>, lanes: Mask<S>) -> F32<S> {
         let (s, one) = (self.first().s, splat(self.first().s, 1.0));
-        let (mut found, mut through, mut open) = (splat(s, f32::INFINITY), one, lanes);
+        let (mut found, mut transmittance, mut open) = (splat(s, f32::INFINITY), one, lanes);
         let mut end = slabs.end;
         while end > slabs.start && open.any_true() {
             let k = end - 1;
@@ -380,8 +380,8 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
                 }
                 let (alpha, visible) = eye.opacities(&index, lanes);
                 let alpha = opacity_over(s, alpha, ratio);
-                through = visible.select(through * (one - alpha), through);
-                let here = visible & through.simd_le(splat(s, 0.5));
+                transmittance = visible.select(transmittance * (one - alpha), transmittance);
+                let here = visible & transmittance.simd_le(splat(s, 0.5));
                 found = here.select(place, found);
                 open &= !here;
             }

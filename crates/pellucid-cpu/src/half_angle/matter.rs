@@ -235,12 +235,12 @@ impl<S: Lanes, F: Field<S>> Matter<'_, S, F> {
         let [red, green, blue] = chroma::opacities(s, self.chroma.as_ref(), alpha);
         let mut opacities = [alpha, red, green, blue];
         if let Some(table) = &self.transport {
-            let mut through = transport::through(s, table, value, ratio);
+            let mut transmittance = transport::transmittance(s, table, value, ratio);
             if let Some((varied, noise)) = &noise {
-                through = varied.transport(s, noise, through);
+                transmittance = varied.transport(s, noise, transmittance);
             }
-            for (opacity, through) in opacities[1..].iter_mut().zip(through) {
-                *opacity = visible.select(one - through, zero);
+            for (opacity, transmittance) in opacities[1..].iter_mut().zip(transmittance) {
+                *opacity = visible.select(one - transmittance, zero);
             }
         }
         store_rows(s, opacities, to);

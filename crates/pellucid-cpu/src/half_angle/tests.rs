@@ -80,8 +80,8 @@ fn stage(dims: [usize; 3], value: impl Fn(DVec3) -> f64, opacity: f32, light: Li
 }
 
 /// Transport of so much light a unit.
-fn transporting(stage: &mut Stage, through: [f32; 3]) {
-    let color = Color::new(through.map(srgb_encode)).unwrap();
+fn transporting(stage: &mut Stage, transmittance: [f32; 3]) {
+    let color = Color::new(transmittance.map(srgb_encode)).unwrap();
     stage.volumes[0].scattering = Scattering {
         phase: Phase::Isotropic,
         phase_normalization: PhaseNormalization::Renormalised,
@@ -157,8 +157,8 @@ impl Look for Middle {
 fn light_falls_with_the_way_it_came() {
     for light in [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.4, 1.0, -0.3], [1.0, -0.5, 0.7]] {
         let mut stage = stage([49; 3], |_| 1.0, 0.05, LightKind::Directional { direction: light }, 0.7);
-        let through = [0.97f32, 0.9, 0.8];
-        transporting(&mut stage, through);
+        let transmittance = [0.97f32, 0.9, 0.8];
+        transporting(&mut stage, transmittance);
         // Around the middle texel ways in the block differ: nothing is mixed.
         let settings = HalfAngle { resolution: 128, blur_angle: 0.0, ..HalfAngle::default() };
         let mut middle = Middle(Vec::new());
@@ -183,7 +183,7 @@ fn light_falls_with_the_way_it_came() {
             }
             whole += 1;
             for channel in 0..3 {
-                let (exact, found) = (f64::from(through[channel]).powf(path), share(pair, channel + 1));
+                let (exact, found) = (f64::from(transmittance[channel]).powf(path), share(pair, channel + 1));
                 let bound = 3e-5 + rounding(channel + 1);
                 assert!((found - exact).abs() < bound, "{light:?}: {found}, exact {exact}");
             }

@@ -96,8 +96,8 @@ impl<F: Values> Medium<'_, F> {
     #[inline]
     pub fn transmittance(&self, flight: &Flight, random: &mut Random, looks: &mut u32) -> [f32; 3] {
         match self.chroma {
-            None => [self.through([1.0], flight, random, looks)[0]; 3],
-            Some(chroma) => self.through(chroma, flight, random, looks),
+            None => [self.transmittances([1.0], flight, random, looks)[0]; 3],
+            Some(chroma) => self.transmittances(chroma, flight, random, looks),
         }
     }
 
@@ -105,14 +105,14 @@ impl<F: Values> Medium<'_, F> {
     /// ratio tracking (Novak et al. 2014): as much as the least extinction of each block lets through, times the
     /// chances that none of the collisions is one with what there is beyond it.
     #[inline(always)]
-    fn through<const N: usize>(
+    fn transmittances<const N: usize>(
         &self,
         factors: [f32; N],
         flight: &Flight,
         random: &mut Random,
         looks: &mut u32,
     ) -> [f32; N] {
-        let (mut through, mut passed) = ([1.0f32; N], 0.0);
+        let (mut transmittance, mut passed) = ([1.0f32; N], 0.0);
         self.visit::<true>(flight, random, looks, |event, random| {
             match event {
                 Event::Passed(depth) => {
@@ -120,26 +120,26 @@ impl<F: Values> Medium<'_, F> {
                     if passed < FAINTEST {
                         return false;
                     }
-                    lessen(&mut through, factors, &mut passed);
+                    lessen(&mut transmittance, factors, &mut passed);
                 }
                 Event::Met(Tentative { chance, .. }) => {
-                    for (through, factor) in through.iter_mut().zip(factors) {
-                        *through *= 1.0 - factor * chance;
+                    for (transmittance, factor) in transmittance.iter_mut().zip(factors) {
+                        *transmittance *= 1.0 - factor * chance;
                     }
                 }
             }
-            let most = through.iter().fold(0.0f32, |most, through| most.max(*through));
+            let most = transmittance.iter().fold(0.0f32, |most, transmittance| most.max(*transmittance));
             if most < FAINT {
                 let kept = if random.number() * FAINT >= most { 0.0 } else { FAINT / most };
-                for through in &mut through {
-                    *through *= kept;
+                for transmittance in &mut transmittance {
+                    *transmittance *= kept;
                 }
                 return kept == 0.0;
             }
             false
         });
-        lessen(&mut through, factors, &mut passed);
-        through
+        lessen(&mut transmittance, factors, &mut passed);
+        transmittance
     }
 
     /// Goes through the collisions with a medium as dense as the majorants, until one is the last; or, of the
@@ -190,10 +190,10 @@ impl<F: Values> Medium<'_, F> {
 
 /// Takes what optical depths of minorants let through of light.
 #[inline(always)]
-fn lessen<const N: usize>(through: &mut [f32; N], factors: [f32; N], passed: &mut f32) {
+fn lessen<const N: usize>(transmittance: &mut [f32; N], factors: [f32; N], passed: &mut f32) {
     if *passed > 0.0 {
-        for (through, factor) in through.iter_mut().zip(factors) {
-            *through *= (-factor * *passed).exp();
+        for (transmittance, factor) in transmittance.iter_mut().zip(factors) {
+            *transmittance *= (-factor * *passed).exp();
         }
         *passed = 0.0;
     }
@@ -265,10 +265,10 @@ mod tests {
             Flight { origin, direction: Vec3::new((to - from).signum(), slope, 0.0), length: (to - from).abs() };
         let (mut sums, mut squares, mut looks) = ([0.0; 3], [0.0; 3], 0);
         for number in 0..COUNT {
-            let through = medium.transmittance(&flight, &mut Random::new([5, 6], 7, number as u32), &mut looks);
+            let transmittance = medium.transmittance(&flight, &mut Random::new([5, 6], 7, number as u32), &mut looks);
             for channel in 0..3 {
-                sums[channel] += f64::from(through[channel]);
-                squares[channel] += f64::from(through[channel]).powi(2);
+                sums[channel] += f64::from(transmittance[channel]);
+                squares[channel] += f64::from(transmittance[channel]).powi(2);
             }
         }
         let means = sums.map(|sum| sum / COUNT as f64);

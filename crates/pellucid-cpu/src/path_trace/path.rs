@@ -148,8 +148,8 @@ impl<M: Surroundings> World<'_, M> {
         if light.iter().all(|v| *v <= 0.0) {
             return [0.0; 3];
         }
-        let through = self.matter.transmittance((layer, at), (direction, distance), random, looks);
-        scale(light, through).map(|v| v * sources as f32)
+        let transmittance = self.matter.transmittance((layer, at), (direction, distance), random, looks);
+        scale(light, transmittance).map(|v| v * sources as f32)
     }
 
     /// The lights that a scattered path meets before its next collision, which is `most` off, with the share that

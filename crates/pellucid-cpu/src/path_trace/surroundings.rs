@@ -204,16 +204,16 @@ impl<'a> Surroundings for Together<'a> {
         looks: &mut u32,
     ) -> [f32; 3] {
         let ways = self.from(layer, at, direction, f64::from(most));
-        let mut through = [1.0; 3];
+        let mut transmittance = [1.0; 3];
         for (layer, flight) in self.0.iter().zip(&ways.flights) {
             let Some((_, flight)) = flight else { continue };
             let own = layer.medium.transmittance(flight, random, looks);
-            through = super::vertex::scale(through, own);
-            if through == [0.0; 3] {
+            transmittance = super::vertex::scale(transmittance, own);
+            if transmittance == [0.0; 3] {
                 break;
             }
         }
-        through
+        transmittance
     }
 
     fn meets(&self, light: &ResolvedLight) -> bool {

@@ -43,7 +43,7 @@ impl Turn {
 }
 
 impl<S: Lanes> Shadow<S> for Across<'_, S> {
-    fn through(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
+    fn transmittance(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
         s.vectorize(
             #[inline(always)]
             || {
@@ -53,7 +53,7 @@ impl<S: Lanes> Shadow<S> for Across<'_, S> {
                 }
                 let ways = Ways::new(s, spans, splat(s, 0.5));
                 let (mut progress, mut counter) = (ways.start(s), Counter::new(s));
-                let mut through = splat(s, 1.0);
+                let mut transmittance = splat(s, 1.0);
                 let what = (&*self.layers, self.overlap);
                 while ways.run(
                     s,
@@ -62,11 +62,11 @@ impl<S: Lanes> Shadow<S> for Across<'_, S> {
                     &mut counter,
                     #[inline(always)]
                     |_, Element { rgba, visible }, _| {
-                        through = visible.select(through - through * rgba[3], through);
-                        through.simd_le(splat(s, DARK))
+                        transmittance = visible.select(transmittance - transmittance * rgba[3], transmittance);
+                        transmittance.simd_le(splat(s, DARK))
                     },
                 ) {}
-                through
+                transmittance
             },
         )
     }

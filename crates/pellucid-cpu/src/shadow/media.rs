@@ -25,12 +25,12 @@ pub struct Media<'a, S> {
 }
 
 impl<S: Lanes> Shadow<S> for Media<'_, S> {
-    fn through(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
+    fn transmittance(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
         s.vectorize(
             #[inline(always)]
             || {
                 let rays = self.ways.rays(s, light, index, lanes, 0.0);
-                let (one, mut through) = (splat(s, 1.0), splat(s, 1.0));
+                let (one, mut transmittance) = (splat(s, 1.0), splat(s, 1.0));
                 let (mut march, mut counter) = (March::new(s, &rays, None), Counter::new(s));
                 while march.run(
                     s,
@@ -53,11 +53,11 @@ impl<S: Lanes> Shadow<S> for Media<'_, S> {
                         if sample.shortened {
                             alpha = sample.ratio.simd_lt(one).select(opacity_over(s, alpha, sample.ratio), alpha);
                         }
-                        through = visible.select(through * (one - alpha), through);
-                        through.simd_lt(splat(s, DARK))
+                        transmittance = visible.select(transmittance * (one - alpha), transmittance);
+                        transmittance.simd_lt(splat(s, DARK))
                     },
                 ) {}
-                through
+                transmittance
             },
         )
     }

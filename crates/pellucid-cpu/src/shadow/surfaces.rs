@@ -26,7 +26,7 @@ pub struct Surfaces<'a, S> {
 }
 
 impl<S: Lanes> Shadow<S> for Surfaces<'_, S> {
-    fn through(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
+    fn transmittance(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
         s.vectorize(
             #[inline(always)]
             || {
@@ -41,16 +41,16 @@ impl<S: Lanes> Shadow<S> for Surfaces<'_, S> {
 pub struct Product<'a, S>(pub Vec<(Turn, Surfaces<'a, S>)>);
 
 impl<S: Lanes> Shadow<S> for Product<'_, S> {
-    fn through(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
+    fn transmittance(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
         s.vectorize(
             #[inline(always)]
             || {
-                let mut through = splat(s, 1.0);
+                let mut transmittance = splat(s, 1.0);
                 for (turn, surfaces) in &self.0 {
                     let span = surfaces.ways.span(s, light, &turn.of(s, index), lanes, surfaces.away);
-                    through *= surfaces.along(s, &span.rays);
+                    transmittance *= surfaces.along(s, &span.rays);
                 }
-                through
+                transmittance
             },
         )
     }
@@ -60,16 +60,16 @@ impl<S: Lanes> Surfaces<'_, S> {
     /// What is left of light that comes along rays.
     #[inline(always)]
     fn along(&self, s: S, rays: &Rays<S>) -> F32<S> {
-        let mut passing = Passing { surfaces: self, through: splat(s, 1.0) };
+        let mut passing = Passing { surfaces: self, transmittance: splat(s, 1.0) };
         each_surface(s, &self.field, rays, self.skip, &mut Counter::new(s), &mut passing);
-        passing.through
+        passing.transmittance
     }
 }
 
 /// Light on its way through surfaces.
 struct Passing<'a, S: Lanes> {
     surfaces: &'a Surfaces<'a, S>,
-    through: F32<S>,
+    transmittance: F32<S>,
 }
 
 impl<S: Lanes> Visit<S> for Passing<'_, S> {
@@ -78,8 +78,8 @@ impl<S: Lanes> Visit<S> for Passing<'_, S> {
         let s = self.surfaces.s;
         for level in &self.surfaces.levels {
             let met = segment.lanes & between::<S>(segment.value, splat(s, level.value));
-            self.through = met.select(self.through * (1.0 - level.opacity), self.through);
+            self.transmittance = met.select(self.transmittance * (1.0 - level.opacity), self.transmittance);
         }
-        Verdict { done: self.through.simd_le(splat(s, 0.0)), wait: all(s, false) }
+        Verdict { done: self.transmittance.simd_le(splat(s, 0.0)), wait: all(s, false) }
     }
 }

@@ -129,7 +129,7 @@ impl<'a> LightVolumes<'a> {
 }
 
 impl<S: Lanes> Shadow<S> for LightVolumes<'_> {
-    fn through(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
+    fn transmittance(&self, s: S, light: usize, index: &Vec3<S>, lanes: Mask<S>) -> F32<S> {
         s.vectorize(
             #[inline(always)]
             || {

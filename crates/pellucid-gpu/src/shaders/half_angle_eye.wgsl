@@ -52,17 +52,17 @@ fn seen(passage: Passage, matter: Matter, slab: u32, ray: Ray) -> vec4<f32> {
     var indirect = vec3<f32>(sweep.scales.z) - lost.rgb;
     if sweep.counts.y == 0u {
         let inside = steps_inside(passage, f32(slab));
-        let through = 1.0 - opacity_over(matter.color.a, inside);
-        direct *= through;
+        let transmittance = 1.0 - opacity_over(matter.color.a, inside);
+        direct *= transmittance;
 #ifdef TRANSPORT
         let passing = transported(p, matter.value, inside);
         indirect *= passing;
 #ifdef SCATTERS_DIRECT
         // As light does that passes the slab.
-        indirect += max(passing - each_color(through), vec3<f32>(0.0)) * sweep.cone.rgb * each_color(1.0 - lost.a);
+        indirect += max(passing - each_color(transmittance), vec3<f32>(0.0)) * sweep.cone.rgb * each_color(1.0 - lost.a);
 #endif
 #else
-        indirect *= each_color(through);
+        indirect *= each_color(transmittance);
 #endif
     }
     let light = sweep.light;

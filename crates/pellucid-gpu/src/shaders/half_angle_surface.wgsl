@@ -24,13 +24,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let eye = eye_crossing(turn.ray);
         let first = u32(max(eye.crossing.ends.x, 0.0));
         let end = u32(max(ceil(eye.crossing.ends.y), 0.0));
-        var through = 1.0;
+        var transmittance = 1.0;
         for (var number = 0u; number < end - first; number += 1u) {
             let slab = select(first + number, end - 1u - number, eye.is_backward);
             let passage = passage_of(eye.crossing, f32(slab));
             let matter = matter_of(passage);
-            through *= 1.0 - opacity_over(matter.color.a, passage.ratio);
-            if through <= 0.5 {
+            transmittance *= 1.0 - opacity_over(matter.color.a, passage.ratio);
+            if transmittance <= 0.5 {
                 // Distances count steps from the entry.
                 let along = select(passage.place - eye.crossing.ends.x, eye.crossing.ends.y - passage.place, eye.is_backward);
                 var state = turn.state;

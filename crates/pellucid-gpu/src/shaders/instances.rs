@@ -111,10 +111,11 @@ pub fn across(layers: usize) -> String {
     let imports = |k: usize| {
         format!("#import pellucid::of{k}::shadow as shadow_of{k}\n#import pellucid::of{k}::frame as frame_of{k}\n")
     };
-    let factor = |k: usize| format!("    left *= shadow_of{k}::left_of_light(place, frame_of{k}::index_of(world));\n");
+    let factor =
+        |k: usize| format!("    left *= shadow_of{k}::transmittance_to(place, frame_of{k}::index_of(world));\n");
     let (imports, factors): (String, String) = ((0..layers).map(imports).collect(), (0..layers).map(factor).collect());
     format!(
-        "#define_import_path pellucid::across\n{imports}fn left_across(place: vec4<f32>, world: vec3<f32>) -> f32 {{\n    \
+        "#define_import_path pellucid::across\n{imports}fn transmittance_across(place: vec4<f32>, world: vec3<f32>) -> f32 {{\n    \
          var left = 1.0;\n{factors}    return left;\n}}\n"
     )
 }

@@ -7,10 +7,10 @@
 #import pellucid::table::each_color
 #ifdef SHADOWED
 #ifdef LAYERED
-#import pellucid::across::left_across
+#import pellucid::across::transmittance_across
 #else
-#import pellucid::light_volume::left_in_volume
-#import pellucid::shadow::left_of_light
+#import pellucid::light_volume::transmittance_in_volume
+#import pellucid::shadow::transmittance_to
 #endif
 #endif
 #ifdef SCATTERED
@@ -157,12 +157,12 @@ fn lit(rgba: vec4<f32>, value: f32, p: vec3<f32>, gradient: vec3<f32>, to_eye: v
         var left = 1.0;
 #ifdef SHADOWED
 #ifdef LAYERED
-        left = left_across(light.place, world_of(p));
+        left = transmittance_across(light.place, world_of(p));
 #else
         if frame.shadows.w == 0.0 {
-            left = left_of_light(light.place, p);
+            left = transmittance_to(light.place, p);
         } else {
-            left = left_in_volume(i, p);
+            left = transmittance_in_volume(i, p);
         }
 #endif
 #endif

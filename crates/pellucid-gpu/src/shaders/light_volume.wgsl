@@ -11,7 +11,7 @@ fn at_point(point: vec3<i32>) -> f32 {
 }
 
 // The share of a light, by its number, that comes to a position: between eight points.
-fn left_in_volume(light: u32, p: vec3<f32>) -> f32 {
+fn transmittance_in_volume(light: u32, p: vec3<f32>) -> f32 {
     let depth = i32(frame.shadows.w);
     let last = vec3<i32>(vec2<i32>(textureDimensions(points).xy), depth) - 1;
     let part = (p - frame.low.xyz) / (frame.high.xyz - frame.low.xyz);

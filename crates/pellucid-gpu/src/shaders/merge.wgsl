@@ -41,12 +41,12 @@ fn added(elements: ptr<function, array<vec4<f32>, COUNT>>) -> vec4<f32> {
 // Light of all, each as if it were alone.
 fn sum(elements: ptr<function, array<vec4<f32>, COUNT>>) -> vec4<f32> {
     var color = vec3<f32>(0.0);
-    var through = 1.0;
+    var transmittance = 1.0;
     for (var i = 0u; i < COUNT; i += 1u) {
         color += (*elements)[i].rgb;
-        through *= 1.0 - (*elements)[i].a;
+        transmittance *= 1.0 - (*elements)[i].a;
     }
-    return vec4<f32>(color, 1.0 - through);
+    return vec4<f32>(color, 1.0 - transmittance);
 }
 
 // More opacity or, where that is the same, the brighter colour: a choice that no order decides.

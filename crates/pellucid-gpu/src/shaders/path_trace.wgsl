@@ -107,8 +107,8 @@ fn direct(p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
     if all(light <= vec3<f32>(0.0)) {
         return Light(vec3<f32>(0.0), 0u);
     }
-    let through = transmittance(leave_along(p, direction, distance));
-    return Light(light * through.rgb * f32(sources), u32(through.a));
+    let left = transmittance(leave_along(p, direction, distance));
+    return Light(light * left.rgb * f32(sources), u32(left.a));
 }
 
 // The lights that a scattered path meets before its next collision, which is `way` off, with the share that `direct`

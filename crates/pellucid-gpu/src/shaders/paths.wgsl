@@ -229,9 +229,9 @@ fn transmittance(flight: Flight) -> vec4<f32> {
     // Below this, a transmittance is left to chance: what gets through is rare and worth as much more.
     const FAINT: f32 = 0.05;
     var tracking = begin_tracking(flight);
-    var through = vec3<f32>(1.0);
+    var share = vec3<f32>(1.0);
     var looks = 0.0;
-    while any(through > vec3<f32>(0.0)) {
+    while any(share > vec3<f32>(0.0)) {
         let majorant = next_collision(&tracking, flight);
         if majorant == 0.0 {
             break;
@@ -239,11 +239,11 @@ fn transmittance(flight: Flight) -> vec4<f32> {
         looks += 1.0;
         let p = flight.origin + flight.direction * tracking.distance;
         let matter = matter_at(p, field_value(p));
-        through *= 1.0 - min(paths.chroma.rgb * (matter.a / majorant), vec3<f32>(1.0));
-        let most = max(through.x, max(through.y, through.z));
+        share *= 1.0 - min(paths.chroma.rgb * (matter.a / majorant), vec3<f32>(1.0));
+        let most = max(share.x, max(share.y, share.z));
         if most < FAINT {
-            through *= select(FAINT / most, 0.0, random() * FAINT >= most);
+            share *= select(FAINT / most, 0.0, random() * FAINT >= most);
         }
     }
-    return vec4<f32>(through, looks);
+    return vec4<f32>(share, looks);
 }

@@ -20,7 +20,7 @@
 const DARK: f32 = 1.0 / 2560.0;
 
 // The share that comes to a position from a light at `place`: a unit vector to it, or its position if `w` is 1.
-fn left_of_light(place: vec4<f32>, p: vec3<f32>) -> f32 {
+fn transmittance_to(place: vec4<f32>, p: vec3<f32>) -> f32 {
     let step = frame.shadows.x;
     var to_light = place.xyz;
     var most = 1e30;
@@ -50,15 +50,15 @@ fn left_of_light(place: vec4<f32>, p: vec3<f32>) -> f32 {
     // A remainder below the precision of positions is no segment.
     let count = max(ceil(length - 1e-4), 1.0);
     let last = min(length - (count - 1.0), 1.0);
-    var through = 1.0;
+    var transmittance = 1.0;
 #ifdef SURFACES
     var front = field_value(origin);
-    for (var node = 1.0; node <= count + 1.0 && through > 0.0; node += 1.0) {
+    for (var node = 1.0; node <= count + 1.0 && transmittance > 0.0; node += 1.0) {
         let inner = node - 1.0 + 0.5 * select(1.0, last, node >= count);
         let back = field_value(origin + direction * select(inner, length, node > count));
         for (var i = 0u; i < frame.level_count; i += 1u) {
             if between(front, back, levels[i].value.x) {
-                through *= 1.0 - levels[i].color.a;
+                transmittance *= 1.0 - levels[i].color.a;
             }
         }
         front = back;
@@ -70,7 +70,7 @@ fn left_of_light(place: vec4<f32>, p: vec3<f32>) -> f32 {
     let inverse = 1.0 / nonzeros(direction);
 #endif
     var k = 0.0;
-    while k < count && through >= DARK {
+    while k < count && transmittance >= DARK {
 #ifdef SKIP
         let clear = clear_steps(origin + direction * (k + 0.5 * select(1.0, last, k >= count - 1.0)), inverse);
         k += clear;
@@ -78,17 +78,17 @@ fn left_of_light(place: vec4<f32>, p: vec3<f32>) -> f32 {
             continue;
         }
 #endif
-        for (var i = 0u; i < RUN && k < count && through >= DARK; i += 1u) {
+        for (var i = 0u; i < RUN && k < count && transmittance >= DARK; i += 1u) {
             let ratio = select(1.0, last, k >= count - 1.0);
             let at = origin + direction * (k + 0.5 * ratio);
             let value = field_value(at);
             if is_present(value) {
                 let alpha = varied(at, vec4<f32>(0.0, 0.0, 0.0, homogeneous(value))).a;
-                through *= 1.0 - opacity_over(alpha, ratio * frame.shadows.y);
+                transmittance *= 1.0 - opacity_over(alpha, ratio * frame.shadows.y);
             }
             k += 1.0;
         }
     }
 #endif
-    return through;
+    return transmittance;
 }

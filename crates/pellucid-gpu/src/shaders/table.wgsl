@@ -86,14 +86,14 @@ fn extinction(alpha: f32) -> f32 {
 }
 
 // What is left of each colour where a share of the one that is lost least is left (K-13).
-fn each_color(through: f32) -> vec3<f32> {
+fn each_color(transmittance: f32) -> vec3<f32> {
 #ifdef CHROMATIC
     let ratios = frame.chroma.rgb;
     // Logarithms of 0 are no numbers, and what is not held back at all passes what lets nothing else through.
-    let each = select(vec3<f32>(0.0), pow(vec3<f32>(max(through, 1e-37)), ratios), through > 0.0);
+    let each = select(vec3<f32>(0.0), pow(vec3<f32>(max(transmittance, 1e-37)), ratios), transmittance > 0.0);
     return select(each, vec3<f32>(1.0), ratios == vec3<f32>(0.0));
 #else
-    return vec3<f32>(through);
+    return vec3<f32>(transmittance);
 #endif
 }
 
@@ -162,8 +162,8 @@ fn segment_over(rgba: vec4<f32>, reversed: vec4<f32>, ratio: f32) -> vec4<f32> {
 
 // What is behind comes to what is in front (1.4-8).
 fn over(front: vec4<f32>, behind: vec4<f32>) -> vec4<f32> {
-    let through = 1.0 - front.a;
-    return front + behind * vec4<f32>(each_color(through), through);
+    let transmittance = 1.0 - front.a;
+    return front + behind * vec4<f32>(each_color(transmittance), transmittance);
 }
 
 // The opacity of a step through a medium of one value.
