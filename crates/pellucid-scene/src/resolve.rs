@@ -10,7 +10,7 @@ use pellucid_optics::{Light, Lighting, OpticsError, Preset, ResolvedLight, Scale
 use serde_json::json;
 
 use crate::auto::{self, Chosen};
-use crate::brightness::brightness;
+use crate::brightness::{alpha, brightness};
 use crate::choice::Choice;
 use crate::framing::Framed;
 use crate::fused::fuse;
@@ -153,7 +153,7 @@ impl Scene {
         let entry = &self.volumes[k];
         let colors = self.data_colors(k, loaded)?.then(|| loaded.clone());
         let (volume, component) = component_of(k, entry, loaded, colors.is_some(), choices)?;
-        let entry = &if colors.is_some() { in_data_colors(entry, &volume, component) } else { entry.clone() };
+        let entry = &if colors.is_some() { in_data_colors(entry, loaded) } else { entry.clone() };
         let volume = match entry.spacing {
             None => volume,
             Some(spacing) => Arc::new((*volume).clone().with_grid(respaced(volume.grid(), spacing)?)?),
@@ -245,16 +245,16 @@ impl Stage {
 }
 
 /// An entry whose voxels have colours: nothing tints them unless it is asked for, and alpha is opacity.
-fn in_data_colors(entry: &VolumeEntry, drawn: &Volume, component: usize) -> VolumeEntry {
+fn in_data_colors(entry: &VolumeEntry, colors: &Volume) -> VolumeEntry {
     let mut entry = entry.clone();
     if entry.transfer_function.is_some() {
         return entry;
     }
     entry.colormap.get_or_insert_with(|| "white".to_owned());
-    if component == ALPHA && entry.preset.is_none() {
+    if entry.component.is_none() && entry.preset.is_none() && holds_alpha(colors) {
         entry.opacity.get_or_insert_with(|| "linear".to_owned());
-        let most = if drawn.voxels().voxel_type() == VoxelType::U8 { u8::MAX.into() } else { u16::MAX.into() };
-        entry.window.get_or_insert_with(|| [0.0, most].map(|stored: f64| drawn.value_map().value(stored)));
+        let most = if colors.voxels().voxel_type() == VoxelType::U8 { u8::MAX.into() } else { u16::MAX.into() };
+        entry.window.get_or_insert_with(|| [0.0, most].map(|stored: f64| colors.value_map().value(stored)));
     }
     entry
 }
@@ -285,9 +285,6 @@ fn settle(entry: &mut VolumeEntry, staged: &StageVolume, chosen: Chosen) {
     }
 }
 
-/// The component that is the alpha of colours.
-const ALPHA: usize = 3;
-
 /// The volume and the component of it that are drawn for an entry: of voxels that are `colored`, those that give opacity.
 fn component_of(
     k: usize,
@@ -303,8 +300,8 @@ fn component_of(
         None if components == 1 => Ok((volume.clone(), 0)),
         None if colored && holds_alpha(volume) => {
             let chosen = "4 components are drawn as colours and the opacity that they have".to_owned();
-            choices.push(Choice::new("component", ALPHA, chosen));
-            Ok((volume.clone(), ALPHA))
+            choices.push(Choice::new("component", json!("alpha"), chosen));
+            Ok((alpha(volume)?.map_or_else(|| volume.clone(), Arc::new), 0))
         }
         None if colored => {
             let chosen = format!(

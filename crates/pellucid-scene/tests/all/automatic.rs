@@ -395,7 +395,7 @@ fn colours_are_drawn_in_them_and_other_components_said() {
         resolve(Volume::with_components(grid(), voxels, 4).unwrap(), Mode::Composite).0
     };
     let (cut, whole) = (rgba(0), rgba(32_768));
-    assert_eq!((cut.volumes[0].component, cut.volumes[0].volume.value([12; 3], 3)), (3, 32_768.0));
+    assert_eq!((cut.volumes[0].component, cut.volumes[0].volume.value([12; 3], 0)), (0, 32_768.0));
     assert!((opacity(&cut, 32_768.0) - 0.5).abs() < 1e-4);
     assert_eq!((whole.volumes[0].component, whole.volumes[0].volume.value([12; 3], 0)), (0, 7152.0));
     // Vectors are no colours.
