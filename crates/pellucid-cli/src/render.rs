@@ -265,7 +265,7 @@ pub fn drawable(scene: &Scene, base: &Base) -> Result<(), Failure> {
     if listed > 1 && !scene.technique.needs().several_volumes {
         let name = scene.technique.name();
         let message = format_args!("the scene lists {listed} volumes, and {name} draws one: keep one");
-        return Err(Failure::input(message).hint("--technique ray-cast and path-trace draw several"));
+        return Err(Failure::input(message).hint("--technique ray-cast, half-angle and path-trace draw several"));
     }
     Ok(base.load_optics(&mut scene.clone())?)
 }
