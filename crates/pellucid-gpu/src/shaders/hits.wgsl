@@ -10,9 +10,9 @@
 #import pellucid::light::normal_of
 #ifdef KERNELS
 #import pellucid::field::ABSENT
-#import pellucid::pieces::{cells_at, is_of_nearest, leap_to, meet_cell, next_cell}
+#import pellucid::pieces::{cells_at, is_of_nearest, meet_cell, next_cell}
 #ifdef SKIP
-#import pellucid::skip::way_to_matter
+#import pellucid::skip::leap_faces
 #endif
 #endif
 #ifdef SKIP
@@ -77,13 +77,10 @@ fn next_face(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
     var is_found = false;
     while !is_found && cells.ends.x < cells.length {
 #ifdef SKIP
-        // From the face by which the cell is entered, which is not looked at if the cell is left.
-        let before = cells.ends.x;
-        let to = before + way_to_matter(ray, ray_at(ray, before));
-        if to > cells.ends.y {
-            leap_to(&cells, to);
+        let leapt = leap_faces(ray, &cells);
+        if leapt > 0.0 {
             front = ABSENT;
-            (*cursor).counts.z += u32(max(min(cells.ends.x, cells.length) - before, 0.0));
+            (*cursor).counts.z += u32(leapt);
         }
 #endif
         for (var i = 0u; i < FACES && cells.ends.x < cells.length && !is_found; i += 1u) {

@@ -8,9 +8,9 @@
 #ifdef SURFACES
 #ifdef KERNELS
 #import pellucid::field::ABSENT
-#import pellucid::pieces::{cells_at, is_of_nearest, leap_to, next_cell}
+#import pellucid::pieces::{cells_at, is_of_nearest, next_cell}
 #ifdef SKIP
-#import pellucid::skip::way_to_matter
+#import pellucid::skip::leap_faces
 #endif
 #endif
 #endif
@@ -109,13 +109,10 @@ fn follow_faces(turn: ptr<function, Turn>) {
     while here && looks > 0u && cells.ends.x < cells.length {
         looks -= 1u;
 #ifdef SKIP
-        // From the face by which the cell is entered, which is not looked at if the cell is left.
-        let before = cells.ends.x;
-        let to = before + way_to_matter(ray, ray_at(ray, before));
-        if to > cells.ends.y {
-            leap_to(&cells, to);
+        let leapt = leap_faces(ray, &cells);
+        if leapt > 0.0 {
             front = ABSENT;
-            state.counts.z += u32(max(min(cells.ends.x, cells.length) - before, 0.0));
+            state.counts.z += u32(leapt);
         }
 #endif
         for (var i = 0u; i < FACES && cells.ends.x < cells.length; i += 1u) {

@@ -4,8 +4,9 @@
 
 #import pellucid::frame::frame
 #import pellucid::ray::{Ray, ray_at, ray_sample, ray_node}
+#import pellucid::pieces::{Cells, leap_to}
 #ifdef EXTREMES
-#import pellucid::pieces::{Cells, leap_to, next_cell}
+#import pellucid::pieces::next_cell
 #endif
 
 #ifdef EXTREMES
@@ -101,6 +102,17 @@ fn way_to_matter(ray: Ray, p: vec3<f32>) -> f32 {
     let block = block_at(p);
     let reach = textureLoad(blocks, block, 0).x;
     return select(max(leave(ray.inverse, p, block, f32(reach)), 0.0), 0.0, reach == 0u);
+}
+
+// Leaps from the face by which a cell is entered, which is not looked at if the cell is left. How many steps.
+fn leap_faces(ray: Ray, cells: ptr<function, Cells>) -> f32 {
+    let before = (*cells).ends.x;
+    let to = before + way_to_matter(ray, ray_at(ray, before));
+    if to <= (*cells).ends.y {
+        return 0.0;
+    }
+    leap_to(cells, to);
+    return max(min((*cells).ends.x, (*cells).length) - before, 0.0);
 }
 
 // Whether the block of a position contributes nothing.
