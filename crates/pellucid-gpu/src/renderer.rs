@@ -236,7 +236,7 @@ impl GpuRenderer {
         let tables = self.cache.tables(stage, number)?;
         let sources = Source::of(&self.device, volume, &tables, stage);
         let optics = Optics::new(stage, number, &tables);
-        let colors = self.cache.colors(stage, number).filter(|_| stage.technique.needs().data_colors);
+        let colors = self.cache.colors(stage, number);
         let demands = match stage.slicing() {
             Some(slicing) => slicing::demands(stage, volume, &optics, slicing),
             None => Demands {

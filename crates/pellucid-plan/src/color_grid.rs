@@ -3,7 +3,7 @@
 use glam::DVec3;
 use pellucid_field::{Volume, Voxel, Voxels};
 use pellucid_optics::srgb_decode;
-use pellucid_scene::holds_alpha;
+use pellucid_scene::{holds_alpha, holds_colors};
 
 /// Linear light of the colours of voxels, times their alpha where that varies, and the alpha; 16 bits each.
 pub struct ColorGrid {
@@ -18,7 +18,7 @@ impl ColorGrid {
     /// The colours of a volume; `None` if its voxels are none.
     pub fn new(volume: &Volume) -> Option<Self> {
         let (components, with_alpha) = (volume.components(), holds_alpha(volume));
-        if !matches!(components, 3 | 4) {
+        if !holds_colors(volume) {
             return None;
         }
         let texels = match volume.voxels() {

@@ -201,15 +201,16 @@ impl Scene {
     fn data_colors(&self, k: usize, volume: &Volume) -> Result<bool, ResolveError> {
         let VolumeEntry { colors, component, preset, colormap, transfer_function, .. } = &self.volumes[k];
         let told = component.is_some() || preset.is_some() || colormap.is_some() || transfer_function.is_some();
+        let heeded = self.technique.needs().data_colors;
         match colors {
             Some(Colors::TransferFunction) => Ok(false),
-            Some(Colors::Data) if holds_colors(volume) => Ok(true),
+            Some(Colors::Data) if holds_colors(volume) => Ok(heeded),
             Some(Colors::Data) => Err(ResolveError::Colors {
                 volume: k,
                 components: volume.components(),
                 voxel_type: volume.voxels().voxel_type(),
             }),
-            None => Ok(!told && self.technique.needs().data_colors && holds_colors(volume)),
+            None => Ok(heeded && !told && holds_colors(volume)),
         }
     }
 

@@ -200,19 +200,13 @@ impl Stage {
                  precision of samples: what it shows between them is not seen; shift and scale the data's values"
             ))
         });
-        let heeded = self.technique.needs().data_colors;
-        let volumes = self.volumes.iter().enumerate().filter(|(_, volume)| volume.colors.is_some());
-        let unpainted = volumes.filter_map(move |(number, volume)| match heeded {
-            false => Some(format!(
-                "volumes[{number}].colors: colours of data are composited along rays and by half_angle, and not drawn here"
-            )),
-            true if volume.perturbation.displaces() => Some(format!(
-                "volumes[{number}].perturbation moves opacities, and not the colours of the data"
-            )),
-            true => None,
+        let moved = |volume: &StageVolume| volume.colors.is_some() && volume.perturbation.displaces();
+        let volumes = self.volumes.iter().enumerate().filter(move |(_, volume)| moved(volume));
+        let unmoved = volumes.map(|(number, _)| {
+            format!("volumes[{number}].perturbation moves opacities, and not the colours of the data")
         });
         ignored
-            .chain(unpainted)
+            .chain(unmoved)
             .chain(by_rays)
             .chain(unseen)
             .chain(merged)

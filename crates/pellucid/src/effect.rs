@@ -107,6 +107,7 @@ const NEEDS: &[(&str, &[Need])] = &[
     ("volumes[].window", &[CLASSIFIED_OR_PRESET, SPREAD]),
     ("volumes[].preset", &[NO_TRANSFER_FUNCTION_OR_SURFACE, CLASSIFIED_OR_SHADED]),
     ("volumes[].colormap", &[NO_TRANSFER_FUNCTION, CLASSIFIED_OR_PRESET, COLORED]),
+    ("volumes[].colors", &[MAY_BE_OF_DATA]),
     ("volumes[].opacity", &[NO_TRANSFER_FUNCTION, OPACITY_IS_USED]),
     ("volumes[].transfer_function", &[CLASSIFIED_OR_PRESET]),
     ("volumes[].unit_distance", &[MEDIUM]),
@@ -198,6 +199,11 @@ const NO_TRANSFER_FUNCTION_OR_SURFACE: Need = Need {
 const COLORED: Need = Need {
     is_met: |drawn| *drawn.stage.mode() != Mode::XRay,
     otherwise: "a radiograph shows the share of light that is held back, which has no colour",
+};
+
+const MAY_BE_OF_DATA: Need = Need {
+    is_met: |drawn| drawn.stage.technique.needs().data_colors,
+    otherwise: "colours of data are composited along rays and by half-angle light, and this is drawn otherwise",
 };
 
 const OPACITY_IS_USED: Need = Need {

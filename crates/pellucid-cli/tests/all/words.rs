@@ -202,7 +202,8 @@ fn advice_is_given_in_flags() {
 fn flags_without_effect_are_called_by_their_names() {
     let folder = tempdir().unwrap();
     let path = folder.path();
-    let pairs: [(&[&str], &[&str], &str); 16] = [
+    let pairs: [(&[&str], &[&str], &str); 17] = [
+        (&["--mode", "maximum"], &["--colors", "transfer-function"], "--colors"),
         (&["--orthographic=300"], &["--distance", "900"], "--distance"),
         (&["--shading", "off"], &["--light", "1,0,0"], "--light"),
         (&["--shading", "off"], &["--ambient", "0.9"], "--ambient"),

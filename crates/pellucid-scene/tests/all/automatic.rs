@@ -389,6 +389,14 @@ fn colours_are_drawn_in_them_and_other_components_said() {
         edit(&mut scene.volumes[0]);
         assert!(scene.resolve(&[Arc::new(green())]).unwrap().0.volumes[0].colors.is_none());
     }
+    // Asked for where they cannot be drawn, they leave the look as it is.
+    let mut scene = Scene::of(Source::memory());
+    scene.technique = Technique::RayCast(RayCast { mode: Mode::Maximum });
+    let plain = scene.resolve(&[Arc::new(green())]).unwrap().0;
+    scene.volumes[0].colors = Some(Colors::Data);
+    let asked = scene.resolve(&[Arc::new(green())]).unwrap().0;
+    assert!(asked.volumes[0].colors.is_none());
+    assert_eq!(asked.volumes[0].transfer_function, plain.volumes[0].transfer_function);
     // An alpha that varies is the opacity; one that does not tells nothing.
     let rgba = |outside: u16| {
         let voxels = by_radius(|r| [0u16, 20_000, 0, if r < 7.0 { 32_768 } else { outside }]).concat();
