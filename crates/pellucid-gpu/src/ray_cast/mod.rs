@@ -2,7 +2,6 @@
 
 mod bands;
 mod followed;
-mod lists;
 mod wavefront;
 
 use std::time::Instant;
@@ -14,9 +13,11 @@ use crate::bounds::{BoundsBuffer, RayBounds, Rows};
 use crate::bricks::Brick;
 use crate::dispatch::dispatch;
 use crate::drawing::Drawing;
+use crate::groups::Named;
 use crate::light_volume::LightVolumes;
 use crate::on_device::Drawn;
 use crate::pace::Pace;
+use crate::pass_volumes::PassVolumes;
 use crate::pipelines::{Pipeline, Pipelines};
 use crate::shaders::{Pass, Variant};
 use crate::targets::Targets;
@@ -25,8 +26,7 @@ use crate::window::Window;
 use crate::{Device, GpuError};
 
 use bands::Bands;
-use followed::{Followed, OnRays};
-use lists::Lists;
+use followed::{Followed, bindings};
 use wavefront::Front;
 
 /// Most passes of a submission.
@@ -79,19 +79,16 @@ impl<'a> RayCaster<'a> {
         with: (Drawing, Option<&LightVolumes>),
     ) -> Result<Self, GpuError> {
         let apart = drawn.iter().any(|volume| volume.optics.pass.is_apart());
-        let mut volumes: Vec<OnRays> = Vec::with_capacity(drawn.len());
-        for drawn in drawn {
-            let before = volumes.iter().map(|volume| volume.bindings.lists()).filter(|_| !apart);
-            let places = Lists::places(before);
-            volumes.push(OnRays::new(device, stage, drawn, with, places));
+        let together = if apart { 1 } else { drawn.len() };
+        let (mut volumes, mut drawn) = (Vec::new(), drawn.into_iter().peekable());
+        while drawn.peek().is_some() {
+            let some = drawn.by_ref().take(together).collect();
+            volumes.push(PassVolumes::new(device, some, |drawn, lists| bindings(device, stage, drawn, with, lists)));
         }
         // All volumes take turns alike.
-        let wavefront = volumes.iter().any(|volume| volume.bindings.variant.wavefront);
-        let together = if apart { 1 } else { volumes.len() };
-        let (mut parts, mut volumes) = (Vec::new(), volumes.into_iter().peekable());
-        while volumes.peek().is_some() {
-            parts.push(Followed::new(device, pipelines, volumes.by_ref().take(together).collect(), wavefront)?);
-        }
+        let wavefront = volumes.iter().flat_map(PassVolumes::variants).any(|variant| variant.wavefront);
+        let parts = volumes.into_iter().map(|some| Followed::new(device, pipelines, stage, some, wavefront));
+        let parts = parts.collect::<Result<Vec<_>, _>>()?;
         let (chromatic, layered) = (stage.holds_back_each_color(), stage.has_layers());
         let resolve = pipelines.get(device, Variant { chromatic, layered, ..Variant::of(Pass::Resolve) })?.clone();
         let merge = match parts.len() {
@@ -117,17 +114,17 @@ impl<'a> RayCaster<'a> {
         control: &Control,
         picture: &mut Picture,
     ) -> Result<(), GpuError> {
-        let Window { low: [column, first], size: [width, height] } = self.first().first().bindings.window;
+        let Window { low: [column, first], size: [width, height] } = self.first().volumes.first().bindings.window;
         let rays = u64::from(width) * u64::from(self.stage.quality.supersampling.pow(2));
         let wavefront = self.first().march.variant.wavefront;
         let mut busy = timer.map(|_| 0.0);
         let (mut row, end) = (first, if width == 0 { first } else { first + height });
         while row < end {
-            let rows = self.parts.iter().map(Followed::most_rows).min();
+            let rows = self.parts.iter().map(|part| part.volumes.most_rows()).min();
             let most = rows.unwrap_or(1).min(end - row);
             // The passes of bricks are many anyway: as many rows of each as there can be; a wavefront is as
             // wide as there is room.
-            let learnt = self.first().bricks().len() == 1 && !wavefront;
+            let learnt = self.first().bricks.len() == 1 && !wavefront;
             let wanted = if learnt { (kept.bands.rays() / rays) as u32 } else { most };
             let rows = wanted.max(8).next_multiple_of(8).min(most);
             let targets = {
@@ -163,7 +160,7 @@ impl<'a> RayCaster<'a> {
         let (pixels, each) = (u64::from(targets.width) * u64::from(band.rows), self.each_turn());
         let turns = each.len() * self.stage.quality.supersampling.pow(2) as usize;
         let size = [targets.width, band.rows, 1];
-        let complete = self.parts.iter_mut().flat_map(Followed::residents).all(|resident| resident.is_complete());
+        let complete = self.parts.iter().all(|part| part.volumes.are_complete());
         let mut busy = Some(0.0);
         let mut turn = 0;
         while turn < turns {
@@ -217,7 +214,8 @@ impl<'a> RayCaster<'a> {
                 bands.learn(pixels * (turn - first) as u64, started.elapsed());
             } else {
                 // Meanwhile the next brick may come.
-                self.parts.iter_mut().flat_map(Followed::residents).for_each(|part| part.used(submission.clone()));
+                let volumes = self.parts.iter_mut().flat_map(|part| part.volumes.residents());
+                volumes.for_each(|volume| volume.used(submission.clone()));
                 self.device.check()?;
             }
             if reads {
@@ -232,7 +230,7 @@ impl<'a> RayCaster<'a> {
     fn each_turn(&self) -> Vec<Turn> {
         let of = |(part, followed): (usize, &Followed)| -> Vec<Turn> {
             let turn = |(number, brick): (usize, &Brick)| Turn { part, brick: *brick, begins: number == 0 };
-            followed.bricks().iter().enumerate().map(turn).collect()
+            followed.bricks.iter().enumerate().map(turn).collect()
         };
         self.parts.iter().enumerate().flat_map(of).collect()
     }
@@ -242,7 +240,7 @@ impl<'a> RayCaster<'a> {
         let corner = |voxel: [usize; 3]| voxel.map(|v| v as u32);
         RayBounds {
             rows: Rows { begin: u32::from(begins), ..Rows::of([row, rows, sub]) },
-            most_looks: self.parts[part].most_looks(),
+            most_looks: self.parts[part].volumes.most_looks(),
             texture_low: corner(brick.voxels.low),
             core_low: corner(brick.core.low),
             core_high: corner(brick.core.high),
@@ -267,7 +265,7 @@ impl<'a> RayCaster<'a> {
         let front = Front::new(self.device, capacity);
         let mut volumes = Vec::with_capacity(self.parts.len());
         for part in &mut self.parts {
-            let brick = part.bricks()[0];
+            let brick = part.bricks[0];
             volumes.push(part.volume_group(&brick, control)?);
         }
         let mut busy = Some(0.0);
@@ -282,7 +280,7 @@ impl<'a> RayCaster<'a> {
                 }
                 let pass = RayBounds {
                     rows: Rows { begin: u32::from(left.is_none()), ..Rows::of([row, rows, sub]) },
-                    most_looks: pace.amount(self.parts[part].most_looks()),
+                    most_looks: pace.amount(self.parts[part].volumes.most_looks()),
                     list,
                     list_length: capacity,
                     ..RayBounds::default()
@@ -331,8 +329,8 @@ impl<'a> RayCaster<'a> {
     fn march_groups(&self, targets: &Targets, passes: &BoundsBuffer, front: Option<&Front>) -> Vec<BindGroup> {
         let group = |(number, part): (usize, &Followed)| {
             let front = front.map(|front| ("front", front.lists().as_entire_binding()));
-            let own = std::iter::once(("states", targets.states_in(number))).chain(front).collect();
-            part.frame_group(&part.march, passes, own)
+            let own: Vec<_> = std::iter::once(("states", targets.states_in(number))).chain(front).collect();
+            part.frame_group(passes, &own)
         };
         self.parts.iter().enumerate().map(group).collect()
     }
@@ -342,9 +340,10 @@ impl<'a> RayCaster<'a> {
         let merge = self.merge.as_ref().map(|merge| (merge, vec![("states", targets.states())]));
         let pixels = ("pixels", targets.pixels.as_entire_binding());
         let resolve = (&self.resolve, vec![("states", targets.states_in(0)), pixels]);
-        let bound = |(pipeline, own): (&'_ Pipeline, _)| self.first().frame_group(pipeline, passes, own);
+        let volumes = &self.first().volumes;
+        let bound = |pipeline: &Pipeline, own: &[Named]| volumes.frame_group(&pipeline.groups, passes, own);
         let finish = merge.into_iter().chain([resolve]);
-        finish.map(|(pipeline, own)| (&pipeline.pipeline, bound((pipeline, own)))).collect()
+        finish.map(|(pipeline, own)| (&pipeline.pipeline, bound(pipeline, &own))).collect()
     }
 }
 
