@@ -264,8 +264,10 @@ pub fn drawable(scene: &Scene, base: &Base) -> Result<(), Failure> {
     }
     if listed > 1 && !scene.technique.needs().several_volumes {
         let name = scene.technique.name();
-        let message = format_args!("the scene lists {listed} volumes, and {name} draws one: keep one");
-        return Err(Failure::input(message).hint("--technique ray-cast, half-angle and path-trace draw several"));
+        let message = format_args!("the scene lists {listed} volumes, and {name} draws one as it is set: keep one");
+        let hint = "--technique ray-cast, half-angle and path-trace draw several, and so do composited view-aligned slices \
+            and shells";
+        return Err(Failure::input(message).hint(hint));
     }
     Ok(base.load_optics(&mut scene.clone())?)
 }

@@ -89,10 +89,12 @@ pub enum GpuError {
         most: usize,
     },
     /// A setting that this backend does not have.
-    #[error("the GPU backend has no {what}: use --backend cpu")]
+    #[error("the GPU backend has no {what}: {advice}")]
     Unsupported {
         /// The setting.
         what: String,
+        /// What else draws it.
+        advice: &'static str,
     },
     /// Half-angle slices cannot follow a light.
     #[error(transparent)]

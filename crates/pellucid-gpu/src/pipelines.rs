@@ -71,7 +71,10 @@ fn make(device: &Device, layers: &[Variant]) -> Result<Pipeline, GpuError> {
 }
 
 /// Whether a pass can be given all that shaders of so many volumes use.
-fn check_limits(limits: &Limits, volumes: usize, resources: &[Resource]) -> Result<(), GpuError> {
+///
+/// # Errors
+/// [`GpuError::Volumes`] with as many as it can be given.
+pub fn check_limits(limits: &Limits, volumes: usize, resources: &[Resource]) -> Result<(), GpuError> {
     let fit = |limit: u32, is_of_kind: &dyn Fn(&BindingType) -> bool| {
         let found: Vec<&Resource> = resources.iter().filter(|resource| is_of_kind(&resource.ty)).collect();
         if found.len() <= limit as usize {

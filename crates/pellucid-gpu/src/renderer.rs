@@ -212,7 +212,9 @@ impl GpuRenderer {
 
     fn prepare<'s>(&mut self, stage: &'s Stage) -> Result<Prepared<'s>, GpuError> {
         if let Some(what) = Self::lacks(stage) {
-            return Err(GpuError::Unsupported { what });
+            // There is no other backend that slices.
+            let advice = if stage.slicing().is_some() { "use ray_cast" } else { "use --backend cpu" };
+            return Err(GpuError::Unsupported { what, advice });
         }
         let sky = stage.path_trace().map(|settings| settings.environment.resolve()).transpose()?.flatten();
         let (mut volumes, mut used) = (Vec::with_capacity(stage.volumes.len()), 0);
@@ -330,10 +332,8 @@ impl GpuRenderer {
                 drawing
             }
             Technique::Slicing(slicing) => {
-                let Drawn { volume, resident, optics, uploads } = only(drawn)?;
                 let pipelines = (&mut self.pipelines, &mut self.slices.pipelines);
-                let (what, optics) = ((stage, volume, slicing), (optics, uploads));
-                let slicer = Slicer::new(device, pipelines, resident, what, optics, self.drawing);
+                let slicer = Slicer::new(device, pipelines, (stage, slicing), drawn, self.drawing);
                 let (mut slicer, drawing) = (slicer?, Instant::now());
                 slicer.draw(&mut self.slices, target, control, frame)?;
                 drawing
@@ -381,6 +381,7 @@ fn lacks_of_layers(stage: &Stage) -> Option<String> {
             merges.then(|| "lighting.shadows between volumes whose overlap is not add".to_owned())
         }
         (Technique::RayCast(_), _) => None,
+        (Technique::Slicing(_), _) if stage.technique.needs().several_volumes => None,
         _ => Some(format!("{count} volumes in one picture by {name}")),
     }
 }

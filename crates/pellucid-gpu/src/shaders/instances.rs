@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 /// Modules that all layers share; of every other one each layer has its own, as `pellucid::of0::field`.
-const SHARED: [&str; 8] = ["lists", "way", "cursor", "across", "count", "each", "each_hit", "merge"];
+const SHARED: [&str; 10] = ["lists", "way", "cursor", "across", "count", "each", "each_hit", "merge", "ways", "slabs"];
 
 /// Flags that say the same of all layers.
 const COMMON: [&str; 5] = ["LAYERED", "APART", "STORED_CONSTANTS", "LOADED_CONSTANTS", "WAVEFRONT"];

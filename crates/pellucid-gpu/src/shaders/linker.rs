@@ -8,8 +8,10 @@ use wgpu::naga::Module;
 use wgpu::naga::compact::{KeepUnused, compact};
 
 use super::instances::{across, count, each, each_hit, is_shared, text_of};
-use super::pass::{APART, HITS, ISOSURFACES, LAYER, LAYERS, MERGE, SHARED, Wgsl};
-use super::{Constants, Pass, Variant, defines};
+use super::pass::{
+    APART, HITS, ISOSURFACES, LAYER, LAYERS, MERGE, SHARED, SLABS, SLICE_LAYERS, SLICE_LAYERS_PIXELS, WAYS, Wgsl,
+};
+use super::{Constants, Pass, Traversal, Variant, defines};
 use crate::GpuError;
 
 /// Links shaders. What several are made of is compiled once for all that define the same names there: most of the time
@@ -33,9 +35,11 @@ impl Linker {
         let failed = |message: String| GpuError::Shader { variant: format!("{layers:?}"), message };
         let variant = &layers[0];
         let (composer, entry) = if variant.is_of_several() {
-            let (composers, files, entry): (_, fn(usize) -> _, _) = match variant.pass {
-                Pass::Apart => (&mut self.apart, merging, APART),
-                Pass::Isosurface => (&mut self.together, of_layers, ISOSURFACES),
+            let (composers, files, entry): (_, fn(usize) -> _, _) = match (variant.pass, variant.traversal) {
+                (Pass::Apart, _) => (&mut self.apart, merging, APART),
+                (_, Traversal::Slices) => (&mut self.together, of_layers, SLICE_LAYERS),
+                (_, Traversal::SlicePixels) => (&mut self.together, of_layers, SLICE_LAYERS_PIXELS),
+                (Pass::Isosurface, _) => (&mut self.together, of_layers, ISOSURFACES),
                 _ => (&mut self.together, of_layers, LAYERS),
             };
             let composer = match composers.entry(layers.len()) {
@@ -86,8 +90,9 @@ fn of_layers(layers: usize) -> Files {
         of_each(file, layers).into_iter().chain(across).collect::<Vec<_>>()
     };
     let files = SHARED.iter().chain([&LAYER, &HITS]).flat_map(own);
-    let last = [("each", each(layers)), ("each_hit", each_hit(layers)), (MERGE.name, MERGE.text.to_owned())];
-    std::iter::once(("count", count(layers))).chain(files).chain(last).collect()
+    let last = [MERGE, WAYS, SLABS].map(|file| (file.name, file.text.to_owned()));
+    let asking = [("each", each(layers)), ("each_hit", each_hit(layers))];
+    std::iter::once(("count", count(layers))).chain(files).chain(asking).chain(last).collect()
 }
 
 /// What merges so many layers: files of the first, which are those of all.

@@ -169,6 +169,8 @@ impl Variant {
             // Their slices are blended as colours.
             self.pass = Composite;
         }
+        self.layered &= self.pass.is_of_layers(self.traversal);
+        self.layered |= self.pass == Apart;
         let clouds = matches!(self.pass, Composite | CompositePre | PreIntegrated | HalfAngleEye | PathTrace);
         let lights = clouds || self.pass == Isosurface;
         let projects = matches!(self.pass, Maximum | Minimum | Average | Slice);
@@ -179,8 +181,9 @@ impl Variant {
         self.holes &= reads;
         let is_whole = self.pass.sweeps() || self.pass.traces();
         self.bricks &= reads && !is_whole;
-        // Slices leap by what is not drawn.
-        self.skip &= reads && !slices && !matches!(self.pass, Average | Slice | PathTrace | PathTracePixels);
+        // Slices leap by what is not drawn; those through several volumes are drawn everywhere.
+        self.skip &=
+            reads && (!slices || self.layered) && !matches!(self.pass, Average | Slice | PathTrace | PathTracePixels);
         self.shaded &= lights && reads;
         self.weighted &= self.shaded;
         // Values of slices are classified once they are blended.
@@ -189,7 +192,7 @@ impl Variant {
         self.wavefront &= !self.bricks && reads && !slices && !is_whole;
         self.kernels &= reads;
         self.strides &= self.skip && self.pass == Composite;
-        self.stack &= slices && !self.bricks && !self.kernels;
+        self.stack &= slices && !self.bricks && !self.kernels && !self.layered;
         self.bleeding &= slices && self.pass == CompositePre;
         // What the eye sees of slabs is always a cloud, and so is what paths meet.
         self.scattered = (self.scattered && clouds && reads) || matches!(self.pass, HalfAngleEye | PathTrace);
@@ -218,8 +221,6 @@ impl Variant {
             // Surfaces of several volumes are met in one pass: their order is known as long as all of them are at hand.
             self.wavefront &= self.pass != Isosurface;
         }
-        self.layered &= self.traversal == Traversal::Rays && self.pass.is_of_layers();
-        self.layered |= self.pass == Apart;
         self.shadowed &= self.lights() && self.pass.samples() && !slices && !self.bricks;
         self
     }

@@ -13,7 +13,7 @@ macro_rules! wgsl {
 }
 
 /// What passes import; each only from those above it.
-pub(super) const SHARED: [Wgsl; 37] = [
+pub(super) const SHARED: [Wgsl; 39] = [
     wgsl!("frame"),
     wgsl!("lists"),
     wgsl!("ray"),
@@ -43,6 +43,8 @@ pub(super) const SHARED: [Wgsl; 37] = [
     wgsl!("slices"),
     wgsl!("polygon"),
     wgsl!("pixel"),
+    wgsl!("sliced"),
+    wgsl!("window"),
     wgsl!("sweep"),
     wgsl!("slab"),
     wgsl!("eye"),
@@ -57,9 +59,13 @@ pub(super) const SHARED: [Wgsl; 37] = [
 pub(super) const LAYER: Wgsl = wgsl!("layer");
 pub(super) const HITS: Wgsl = wgsl!("hits");
 pub(super) const MERGE: Wgsl = wgsl!("merge");
+pub(super) const WAYS: Wgsl = wgsl!("ways");
+pub(super) const SLABS: Wgsl = wgsl!("slabs");
 pub(super) const LAYERS: Wgsl = wgsl!("layers");
 pub(super) const ISOSURFACES: Wgsl = wgsl!("isosurfaces");
 pub(super) const APART: Wgsl = wgsl!("apart");
+pub(super) const SLICE_LAYERS: Wgsl = wgsl!("slice_layers");
+pub(super) const SLICE_LAYERS_PIXELS: Wgsl = wgsl!("slice_layers_pixels");
 
 /// What a pass makes of the volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -94,6 +100,8 @@ pub enum Pass {
     SliceGivenPolygons,
     /// Shells around the eye.
     SliceShells,
+    /// The whole window, for each slice through several volumes.
+    SliceWindows,
     /// Marks pixels that slices have made opaque.
     SliceDone,
     /// The least opacity of squares of pixels.
@@ -129,7 +137,7 @@ pub enum Traversal {
 
 impl Pass {
     /// All passes.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 26] = [
         Self::Composite,
         Self::CompositePre,
         Self::PreIntegrated,
@@ -145,6 +153,7 @@ impl Pass {
         Self::SlicePolygons,
         Self::SliceGivenPolygons,
         Self::SliceShells,
+        Self::SliceWindows,
         Self::SliceDone,
         Self::SliceTiles,
         Self::SliceOcclusion,
@@ -176,8 +185,13 @@ impl Pass {
     }
 
     /// Whether it knows that there are several volumes.
-    pub(crate) fn is_of_layers(self) -> bool {
-        self.follows_together() || self.is_apart() || matches!(self, Self::Apart | Self::Resolve)
+    pub(crate) fn is_of_layers(self, traversal: Traversal) -> bool {
+        match traversal {
+            Traversal::Rays => {
+                self.follows_together() || self.is_apart() || matches!(self, Self::Apart | Self::Resolve)
+            }
+            Traversal::Slices | Traversal::SlicePixels => self.follows_together() && self != Self::Isosurface,
+        }
     }
 
     /// Whether it follows rays through slabs.
@@ -215,6 +229,7 @@ impl Pass {
             Self::Apart => (APART, None),
             Self::Resolve => (wgsl!("resolve"), None),
             Self::SlicePolygons | Self::SliceGivenPolygons | Self::SliceShells => (wgsl!("slice_proxies"), None),
+            Self::SliceWindows => (wgsl!("slice_windows"), None),
             Self::SliceDone => (wgsl!("slice_done"), None),
             Self::SliceTiles => (wgsl!("slice_tiles"), None),
             Self::SliceOcclusion => (wgsl!("slice_occlusion"), None),

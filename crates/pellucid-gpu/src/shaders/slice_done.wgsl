@@ -1,14 +1,13 @@
 // Marks the pixels that are opaque, so that no fragment behind them is worked on (8.6-2): they get a depth
 // before that of all slices.
 #import pellucid::slices::slices
+#import pellucid::window::window_corner
 
 @group(0) @binding(13) var colors: texture_2d<f32>;
 
 @vertex
 fn vertex(@builtin(vertex_index) corner: u32) -> @builtin(position) vec4<f32> {
-    // One triangle over everything.
-    let at = vec2<f32>(f32(corner & 1u) * 4.0 - 1.0, f32(corner >> 1u) * 4.0 - 1.0);
-    return vec4<f32>(at, 0.0, 1.0);
+    return window_corner(corner, 0.0);
 }
 
 @fragment

@@ -113,6 +113,24 @@ impl Geometry {
         })
     }
 
+    /// As many slices through several volumes, each of which is one brick.
+    pub fn windows(device: &Device, slices: u32, slicing: &Slicing, brick: Brick) -> Self {
+        let mut instances: Vec<u32> = (0..slices).collect();
+        if slicing.order == BlendOrder::BackToFront {
+            instances.reverse();
+        }
+        Self {
+            shares: vec![(brick, 0..slices)],
+            boxes: storage::<SliceBox>(device, "boxes", &[]),
+            box_count: 0,
+            instances: storage(device, "instances", &instances),
+            index_count: 3,
+            indices: device.buffer("indices", cast_slice(&[0u16, 1, 2, 0]), BufferUsages::INDEX),
+            slices,
+            pass: Pass::SliceWindows,
+        }
+    }
+
     /// All proxies.
     pub fn count(&self) -> u32 {
         self.shares.iter().map(|(_, range)| range.end).max().unwrap_or(0)

@@ -156,7 +156,7 @@ impl Lattice {
 }
 
 /// How near a box comes to a point at least: no nearer than the ball around it.
-fn nearest(corners: [DVec3; 8], point: DVec3) -> f64 {
+pub fn nearest(corners: [DVec3; 8], point: DVec3) -> f64 {
     let middle = corners.iter().sum::<DVec3>() / 8.0;
     let radius = corners.map(|corner| (corner - middle).length()).into_iter().fold(0.0, f64::max);
     ((middle - point).length() - radius).max(0.0)

@@ -7,6 +7,7 @@ mod geometry;
 mod lattice;
 mod pipelines;
 mod polygon;
+mod slabs;
 mod targets;
 mod view;
 
@@ -26,17 +27,17 @@ use crate::bounds::{BoundsBuffer, RayBounds, Rows};
 use crate::bricks::{self, Brick};
 use crate::dispatch::dispatch;
 use crate::drawing::Drawing;
+use crate::on_device::Drawn;
 use crate::optics::Optics;
 use crate::pace::Pace;
+use crate::pass_volumes::{PassVolume, PassVolumes};
 use crate::pipelines::{Pipeline, Pipelines};
 use crate::plan::Demands;
-use crate::resident::Resident;
 use crate::shaders::{Pass, Traversal, Variant};
 use crate::targets::Targets;
 use crate::texture::Layout;
 use crate::timer::Timer;
 use crate::uniforms;
-use crate::uploads::Uploads;
 use crate::window::Window;
 use crate::{Device, GpuError};
 
@@ -44,6 +45,7 @@ use blending::{Blending, cleared};
 use geometry::{Geometry, MOST_STRIDE};
 use lattice::Lattice;
 use pipelines::{DrawPipeline, DrawPipelines};
+use slabs::Slabs;
 use targets::Canvas;
 
 #[cfg(test)]
@@ -76,12 +78,10 @@ pub struct KeptSlices {
 /// Everything on the device that one frame is drawn with.
 pub struct Slicer<'a> {
     device: &'a Device,
-    resident: &'a mut Resident,
+    volumes: PassVolumes<'a>,
     stage: &'a Stage,
-    volume: &'a StageVolume,
     slicing: &'a Slicing,
-    bindings: Bindings<'a>,
-    lattice: Lattice,
+    positions: Positions,
     geometry: Geometry,
     blending: Blending,
     slices: DrawPipeline,
@@ -90,6 +90,14 @@ pub struct Slicer<'a> {
     occlusion: Pipeline,
     pixels: Pipeline,
     warnings: Vec<RenderWarning>,
+}
+
+/// Where slices are.
+enum Positions {
+    /// Through one volume.
+    OfOne(Lattice),
+    /// Through several.
+    OfSeveral(Slabs),
 }
 
 /// A band of the picture, for one of the rays of its pixels: where it is, and what it is drawn with.
@@ -107,67 +115,59 @@ impl<'a> Slicer<'a> {
     /// Makes pipelines and what changes with the camera.
     ///
     /// # Errors
-    /// What the device reports.
+    /// What the device reports; [`GpuError::Volumes`] if a pass cannot be given as many volumes.
     pub fn new(
         device: &'a Device,
-        pipelines: (&mut Pipelines, &mut DrawPipelines),
-        resident: &'a mut Resident,
-        (stage, volume, slicing): (&'a Stage, &'a StageVolume, &'a Slicing),
-        (optics, uploads): (&Optics, &'a Uploads),
+        (pipelines, draws): (&mut Pipelines, &mut DrawPipelines),
+        (stage, slicing): (&'a Stage, &'a Slicing),
+        drawn: Vec<Drawn<'a, '_>>,
         drawing: Drawing,
     ) -> Result<Self, GpuError> {
-        let (pipelines, draws) = pipelines;
+        let Drawn { volume, resident, optics, .. } = &drawn[0];
         let grid = volume.volume.grid();
-        let lattice = Lattice::new(stage, grid, slicing);
-        let alter = |frame: &mut uniforms::Frame| {
-            if !lattice.jitters() {
-                frame.jitter[2] = 0;
-            }
-            frame.stack[0] = lattice.axis.unwrap_or(0) as u32;
+        let (positions, geometry) = if stage.has_layers() {
+            let slabs = Slabs::new(stage, slicing);
+            let geometry = Geometry::windows(device, slabs.count, slicing, resident.bricks[0]);
+            (Positions::OfSeveral(slabs), geometry)
+        } else {
+            let lattice = Lattice::new(stage, grid, slicing);
+            let margin = view::margin(stage, grid, &lattice);
+            let geometry = Geometry::new(device, (stage, grid), (slicing, &lattice), optics, &resident.bricks, margin)?;
+            (Positions::OfOne(lattice), geometry)
         };
-        let mut bindings =
-            Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter);
-        bindings.variant = Variant {
-            traversal: Traversal::Slices,
-            stack: resident.plan.layout != Layout::Solid,
-            bleeding: optics.bleeds,
-            opaque: false,
-            ..bindings.variant
-        }
-        .canonical();
         let (blending, is_coarse) = Blending::new(device, optics.pass, slicing);
-        let margin = view::margin(stage, grid, &lattice);
-        let geometry = Geometry::new(device, (stage, grid), (slicing, &lattice), optics, &resident.bricks, margin)?;
-        let pixels = Variant {
+        let pixels = drawn.iter().map(|Drawn { optics, .. }| Variant {
             traversal: Traversal::SlicePixels,
             opaque: optics.opaque,
             knots: !optics.nodes.knots().is_empty(),
+            layered: stage.has_layers(),
             ..Variant::of(optics.pass)
-        };
+        });
+        let pixels = pixels.collect();
         let mut warnings = Vec::new();
         if is_coarse {
             let reason = "the graphics device does not blend 32-bit floats: slices are blended in 16 bits".to_owned();
             warnings.push(RenderWarning::Fallback { reason });
         }
-        if lattice.longest.is_infinite() {
+        if matches!(&positions, Positions::OfOne(lattice) if lattice.longest.is_infinite()) {
             let reason = "some rays run along the slices or meet them from behind, and see nothing: \
                 view_aligned slices have none"
                 .to_owned();
             warnings.push(RenderWarning::Fallback { reason });
         }
+        let bindings = |drawn: &Drawn<'a, '_>, lists| bindings(device, stage, drawn, drawing, &positions, lists);
+        let volumes = PassVolumes::new(device, drawn, bindings);
         Ok(Self {
             device,
-            slices: draws.slices(device, bindings.variant, geometry.pass, blending)?,
+            slices: draws.slices(device, volumes.variants().collect(), geometry.pass, blending)?,
             done: draws.done(device)?,
             tiles: pipelines.get(device, Variant::of(Pass::SliceTiles))?.clone(),
             occlusion: pipelines.get(device, Variant::of(Pass::SliceOcclusion))?.clone(),
-            pixels: pipelines.get(device, pixels)?.clone(),
-            resident,
+            pixels: pipelines.of_layers(device, pixels)?.clone(),
+            volumes,
             stage,
-            volume,
             slicing,
-            bindings,
-            lattice,
+            positions,
             geometry,
             blending,
             warnings,
@@ -185,13 +185,13 @@ impl<'a> Slicer<'a> {
         control: &Control,
         picture: &mut Picture,
     ) -> Result<(), GpuError> {
-        let Window { low: [column, first], size: [width, height] } = self.bindings.window;
+        let Window { low: [column, first], size: [width, height] } = self.volumes.first().bindings.window;
         let rays = self.stage.quality.supersampling.pow(2);
-        let timer = timer.filter(|_| self.resident.is_complete());
+        let timer = timer.filter(|_| self.volumes.are_complete());
         let mut busy = timer.map(|_| 0.0);
         let (mut row, end) = (first, if width == 0 { first } else { first + height });
         while row < end {
-            let rows = self.resident.plan.rows.min(end - row);
+            let rows = self.volumes.most_rows().min(end - row);
             let size = [width, rows];
             // The old ones go first.
             kept.canvas.take_if(|canvas| !canvas.fits(size, &self.blending));
@@ -219,20 +219,21 @@ impl<'a> Slicer<'a> {
 
     /// What a band is drawn with.
     fn layer(&self, canvas: &Canvas, [row, rows, sub]: [u32; 3]) -> Layer {
-        let Self { bindings, geometry, .. } = self;
+        let Self { volumes, geometry, stage, slicing, .. } = self;
+        let PassVolume { volume, bindings, .. } = volumes.first();
         let pass = |(brick, _): &(Brick, Range<u32>)| {
             let texture_low = brick.voxels.low.map(|v| v as u32);
             RayBounds { rows: Rows::of([row, rows, sub]), texture_low, most_looks: u32::MAX, ..RayBounds::default() }
         };
         let passes = BoundsBuffer::new(self.device, geometry.shares.iter().map(pass));
-        let what = (self.slicing, bindings.variant.pass, geometry.slices);
-        let numbers = view::numbers(
-            self.stage,
-            self.volume.volume.grid(),
-            &self.lattice,
-            what,
-            (&bindings.window, [row, rows, sub]),
-        );
+        let pass = bindings.variant.pass;
+        let numbers = match &self.positions {
+            Positions::OfOne(lattice) => {
+                let (grid, what) = (volume.volume.grid(), (*slicing, pass, geometry.slices));
+                view::numbers(stage, grid, lattice, what, (&bindings.window, [row, rows, sub]))
+            }
+            Positions::OfSeveral(slabs) => slabs.numbers(stage, slicing, pass),
+        };
         let numbers = self.device.constant_buffer("slices", bytes_of(&numbers));
         // At first all boxes may be seen.
         let seen = vec![1u32; geometry.box_count.max(1) as usize];
@@ -245,7 +246,7 @@ impl<'a> Slicer<'a> {
             ("tiles", canvas.tiles.as_entire_binding()),
             ("colors", BindingResource::TextureView(&canvas.colors)),
         ];
-        let group = |groups| bindings.frame_group(groups, &passes, &own);
+        let group = |groups| volumes.frame_group(groups, &passes, &own);
         Layer {
             rows,
             slices: group(&self.slices.groups),
@@ -267,7 +268,7 @@ impl<'a> Slicer<'a> {
         pace: &mut Pace,
         control: &Control,
     ) -> Result<Option<f64>, GpuError> {
-        let table = self.bindings.table_group(&self.slices.groups);
+        let table = self.volumes.table_group(&self.slices.groups);
         let between = self.between_looks();
         let mut until_look = between;
         let mut busy = Some(0.0);
@@ -281,9 +282,8 @@ impl<'a> Slicer<'a> {
                 if control.is_cancelled() {
                     return Err(GpuError::Cancelled);
                 }
-                let views = self.resident.textures(self.device, brick, control)?;
-                let volume = self.bindings.volume_group(&self.slices.groups, &views);
-                if self.resident.is_complete() {
+                let volume = self.volumes.volume_group(&self.slices.groups, brick, control)?;
+                if self.volumes.are_complete() {
                     // Uploads are not what is measured.
                     self.device.wait()?;
                 }
@@ -318,12 +318,12 @@ impl<'a> Slicer<'a> {
                     timer.copy(&mut encoder, 1);
                 }
                 let submission = self.device.queue.submit([encoder.finish()]);
-                if self.resident.is_complete() {
+                if self.volumes.are_complete() {
                     self.device.wait()?;
                     pace.learn(started.elapsed());
                     busy = busy.zip(timer.and_then(|timer| timer.seconds(1))).map(|(busy, seconds)| busy + seconds);
                 } else {
-                    self.resident.used(submission);
+                    self.volumes.residents().for_each(|resident| resident.used(submission.clone()));
                     self.device.check()?;
                 }
             }
@@ -355,7 +355,8 @@ impl<'a> Slicer<'a> {
         pass.draw(0..3, 0..1);
         drop(pass);
         if self.slicing.occlusion_culling && self.geometry.box_count > 1 {
-            let [columns, rows] = [self.bindings.window.size[0], layer.rows].map(|n| n.div_ceil(targets::TILE));
+            let [columns, rows] =
+                [self.volumes.first().bindings.window.size[0], layer.rows].map(|n| n.div_ceil(targets::TILE));
             let only = |group| [Some(group), None, None];
             let tiles = [columns, rows, 1];
             dispatch(encoder, &self.tiles.pipeline, only(&layer.tiles), offset, tiles, None);
@@ -384,7 +385,7 @@ impl<'a> Slicer<'a> {
         encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("slices"),
             color_attachments: &[
-                target(&canvas.colors, cleared(self.bindings.variant.pass)),
+                target(&canvas.colors, cleared(self.volumes.first().bindings.variant.pass)),
                 target(&canvas.counts, Color::TRANSPARENT),
             ],
             depth_stencil_attachment: Some(depth(canvas, if clears { LoadOp::Clear(1.0) } else { LoadOp::Load })),
@@ -401,8 +402,8 @@ impl<'a> Slicer<'a> {
             ("colors", BindingResource::TextureView(&canvas.colors)),
             ("taken", BindingResource::TextureView(&canvas.counts)),
         ];
-        let frame = self.bindings.frame_group(&self.pixels.groups, &layer.passes, &own);
-        let table = self.bindings.table_group(&self.pixels.groups);
+        let frame = self.volumes.frame_group(&self.pixels.groups, &layer.passes, &own);
+        let table = self.volumes.table_group(&self.pixels.groups);
         let size = [targets.width, layer.rows, 1];
         dispatch(encoder, &self.pixels.pipeline, [Some(&frame), None, Some(&table)], 0, size, None);
     }
@@ -410,6 +411,39 @@ impl<'a> Slicer<'a> {
     fn encoder(&self) -> CommandEncoder {
         self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("slices") })
     }
+}
+
+/// What is bound to shaders that draw slices through a volume whose lists lie where `lists` says.
+fn bindings<'a>(
+    device: &'a Device,
+    stage: &Stage,
+    Drawn { volume, resident, optics, uploads }: &Drawn<'a, '_>,
+    drawing: Drawing,
+    positions: &Positions,
+    lists: [u32; 4],
+) -> Bindings<'a> {
+    let alter = |frame: &mut uniforms::Frame| {
+        if let Positions::OfOne(lattice) = positions {
+            if !lattice.jitters() {
+                frame.jitter[2] = 0;
+            }
+            frame.stack[0] = lattice.axis.unwrap_or(0) as u32;
+        }
+        frame.lists = lists;
+    };
+    let mut bindings =
+        Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter);
+    bindings.variant = Variant {
+        traversal: Traversal::Slices,
+        stack: resident.plan.layout != Layout::Solid,
+        bleeding: optics.bleeds,
+        opaque: false,
+        // Boxes of one volume leave out what is empty.
+        skip: stage.has_layers() && optics.blocks.is_some(),
+        ..bindings.variant
+    }
+    .canonical();
+    bindings
 }
 
 fn depth<'c>(canvas: &'c Canvas, load: LoadOp<f32>) -> RenderPassDepthStencilAttachment<'c> {

@@ -10,7 +10,7 @@ use wgpu::{
 use super::blending::{Blending, SUM};
 use super::targets::DEPTH;
 use crate::groups::Groups;
-use crate::pipelines::{Shader, shader};
+use crate::pipelines::{Shader, check_limits, shader};
 use crate::shaders::{Pass, Variant};
 use crate::{Device, GpuError};
 
@@ -26,31 +26,34 @@ pub struct DrawPipeline {
 /// The pipelines of a device, made when they are first needed.
 #[derive(Default)]
 pub struct DrawPipelines {
-    slices: HashMap<(Variant, Pass, Blending), DrawPipeline>,
+    slices: HashMap<(Vec<Variant>, Pass, Blending), DrawPipeline>,
     done: Option<DrawPipeline>,
 }
 
 impl DrawPipelines {
-    /// Draws what a variant makes of fragments on the proxies that a pass makes.
+    /// Draws what a variant, or those of several volumes, make of fragments on the proxies that a pass makes.
     ///
     /// # Errors
-    /// [`GpuError::Shader`], or what the device reports.
+    /// [`GpuError::Shader`], or what the device reports; [`GpuError::Volumes`] if it cannot be given as many volumes.
     pub fn slices(
         &mut self,
         device: &Device,
-        variant: Variant,
+        layers: Vec<Variant>,
         proxies: Pass,
         blending: Blending,
     ) -> Result<DrawPipeline, GpuError> {
-        let key = (variant.canonical(), proxies, blending);
+        let layers = layers.into_iter().map(Variant::canonical).collect();
+        let key = (layers, proxies, blending);
         if let Some(found) = self.slices.get(&key) {
             return Ok(found.clone());
         }
         let target =
             |format, blend| Some(ColorTargetState { format, blend: Some(blend), write_mask: ColorWrites::ALL });
+        let fragments = shader(device, &key.0)?;
+        check_limits(&device.capabilities.limits, key.0.len(), &fragments.resources)?;
         let made = make(
             device,
-            [&shader(device, &[Variant::of(proxies)])?, &shader(device, &[key.0])?],
+            [&shader(device, &[Variant::of(proxies)])?, &fragments],
             &[target(blending.format, blending.state), target(blending.counts, SUM)],
             CompareFunction::Less,
         );

@@ -10,7 +10,7 @@ use pellucid_gpu::{Ceiling, GpuError, GpuRenderer, Passes};
 use pellucid_scene::{Control, Format, Frame, Scene, Stage};
 
 /// A stage of volumes, each with a part of the document; `rest` is of all.
-fn layered(layers: &[(Arc<Volume>, &str)], rest: &str, size: [u32; 2]) -> Stage {
+pub fn layered(layers: &[(Arc<Volume>, &str)], rest: &str, size: [u32; 2]) -> Stage {
     let entries: String = layers.iter().map(|(_, own)| format!("[[volumes]]\nsource = \"memory\"\n{own}\n")).collect();
     // Keys of no table come first.
     let (keys, tables) = rest.split_once('|').unwrap_or(("", rest));
@@ -22,7 +22,7 @@ fn layered(layers: &[(Arc<Volume>, &str)], rest: &str, size: [u32; 2]) -> Stage 
 }
 
 /// A box of one value, with a corner and the distances between its voxels.
-fn solid(dims: [usize; 3], corner: [f64; 3], spacing: [f64; 3]) -> Arc<Volume> {
+pub fn solid(dims: [usize; 3], corner: [f64; 3], spacing: [f64; 3]) -> Arc<Volume> {
     let affine = DAffine3::from_translation(corner.into()) * DAffine3::from_scale(spacing.into());
     let grid = Grid::with_affine(dims, affine).unwrap();
     Arc::new(Volume::new(grid, vec![1.0f32; grid.len()]).unwrap())
@@ -50,6 +50,10 @@ fn extinctions_of_boxes_add() {
         "jitter.blue_noise.seed = 3",
         "step = 3.7\nclassification = \"pre\"",
         "step = 3.7\nclassification = \"pre_integrated\"",
+        "step = 0.7\n[technique.slicing]",
+        "jitter.blue_noise.seed = 3\n[technique.slicing]\norder = \"back_to_front\"\nsamples = 3",
+        "step = 3.7\nclassification = \"pre\"\n[technique.slicing]\ngeometry = \"shells\"",
+        "step = 3.7\nclassification = \"pre_integrated\"\n[technique.slicing]\ncorrection = \"per_frame\"",
     ] {
         for swapped in [false, true] {
             let mut layers = layers.clone();
@@ -80,7 +84,7 @@ fn extinctions_of_boxes_add() {
 }
 
 /// Two volumes on grids that are turned and spaced otherwise, of other voxel types.
-fn turned() -> [Arc<Volume>; 2] {
+pub fn turned() -> [Arc<Volume>; 2] {
     let ball = sample("ball", [20, 24, 22], VoxelType::F32);
     let wavelet = sample("wavelet", [18, 16, 20], VoxelType::U8);
     let turn = |axis: DVec3, angle: f64, scale: f64, to: [f64; 3]| {
@@ -89,14 +93,14 @@ fn turned() -> [Arc<Volume>; 2] {
     [placed(&ball, turn(DVec3::Z, 0.4, 8.0, [0.0; 3])), placed(&wavelet, turn(DVec3::X, 0.9, 0.7, [1.0, -1.5, 2.0]))]
 }
 
-const BALL: &str = "unit_distance = 1\n[volumes.transfer_function]\ncolors = [[0, \"#3050e0\"], [1, \"#e0a020\"]]\n\
+pub const BALL: &str = "unit_distance = 1\n[volumes.transfer_function]\ncolors = [[0, \"#3050e0\"], [1, \"#e0a020\"]]\n\
     opacities = [[0.3, 0], [0.7, 0.2]]";
-const WAVES: &str = "unit_distance = 1\n[volumes.transfer_function]\ncolors = [[80, \"#30e050\"], [260, \"#e04020\"]]\n\
+pub const WAVES: &str = "unit_distance = 1\n[volumes.transfer_function]\ncolors = [[80, \"#30e050\"], [260, \"#e04020\"]]\n\
     opacities = [[90, 0], [140, 0.1], [170, 0.0], [190, 0.25], [270, 0.9]]";
 const LIGHTS: &str = "lights = [{ kind.directional.direction = [0.8, 0.4, -0.5] }, \
     { kind.point = { position = [-20, -15, 18], falloff = \"none\" }, intensity = 0.5 }]\n";
 
-fn by_cpu(stage: &Stage) -> Frame {
+pub fn by_cpu(stage: &Stage) -> Frame {
     CpuRenderer::default().render(stage, &Control::default()).unwrap()
 }
 

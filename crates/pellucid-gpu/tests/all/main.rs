@@ -10,6 +10,7 @@ mod bricks;
 mod errors;
 mod filters;
 mod half_angle;
+mod layered_slices;
 mod layers;
 mod path_trace;
 mod perturbation;

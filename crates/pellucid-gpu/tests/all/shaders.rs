@@ -4,7 +4,7 @@
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use pellucid_gpu::shaders::{Constants, Linker, Pass, Variant, resources};
+use pellucid_gpu::shaders::{Constants, Linker, Pass, Traversal, Variant, resources};
 use wgpu::naga::Module;
 use wgpu::naga::back::spv;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -34,7 +34,14 @@ fn layers_of_any_kind_are_valid() {
     let mut kinds: Vec<Variant> = Variant::all().iter().map(layered).filter(|variant| variant.layered).collect();
     kinds.retain(|variant| !variant.wavefront);
     kinds.dedup();
+    // What slices through all of them make of pixels looks at no volume.
+    let pixels: Vec<_> = kinds.extract_if(.., |variant| variant.traversal == Traversal::SlicePixels).collect();
+    assert!(!pixels.is_empty());
     let mut linker = Linker::default();
+    for variant in pixels {
+        let all = [variant; 3];
+        check_written(&all, &linker.link(&all, Constants::Uniform).unwrap_or_else(|error| panic!("{error}")));
+    }
     // Those that follow rays through each volume by itself, and what merges them.
     let (together, apart): (Vec<Variant>, Vec<Variant>) =
         kinds.into_iter().partition(|variant| variant.pass.follows_together());
@@ -45,13 +52,19 @@ fn layers_of_any_kind_are_valid() {
     check_written(&merge, &linker.link(&merge, Constants::Stored).unwrap_or_else(|error| panic!("{error}")));
     assert!(together.len() > 100 && apart.len() > 100, "{} and {}", together.len(), apart.len());
     // Every kind beside another one.
-    for (number, pair) in together.chunks(13).map(|chunk| [chunk[0], *chunk.last().unwrap_or(&chunk[0])]).enumerate() {
+    let (slices, rays): (Vec<Variant>, Vec<Variant>) =
+        together.into_iter().partition(|variant| variant.traversal == Traversal::Slices);
+    assert!(slices.len() > 50, "{}", slices.len());
+    let pairs = rays.chunks(13).chain(slices.chunks(13)).map(|chunk| [chunk[0], *chunk.last().unwrap_or(&chunk[0])]);
+    for (number, pair) in pairs.enumerate() {
         let constants = if number.is_multiple_of(2) { Constants::Uniform } else { Constants::Stored };
         let module = linker.link(&pair, constants).unwrap_or_else(|error| panic!("{error}"));
         check_written(&pair, &module);
         let used = resources(&module).unwrap();
         let of = |layer, name: &str| used.iter().any(|resource| resource.layer == layer && resource.name == name);
-        assert!(of(0, "volume") && of(1, "volume"), "{pair:?}");
+        // Classified voxels are looked up one by one.
+        let reads = |layer| of(layer, "volume") || of(layer, "voxels");
+        assert!(reads(0) && reads(1), "{pair:?}");
     }
 }
 

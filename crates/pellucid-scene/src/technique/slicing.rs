@@ -126,15 +126,18 @@ pub enum Proxy {
 }
 
 impl Slicing {
-    /// Blending units hold all colours back alike, and look at no light.
+    /// Blending units hold all colours back alike, and look at no light. Slices through several volumes are composited
+    /// as they are drawn, and lie along the axes of none.
     pub(super) fn needs(&self) -> Needs {
+        let through_all = matches!(self.geometry, SliceGeometry::ViewAligned | SliceGeometry::Shells);
+        let several = through_all && self.mode == Mode::Composite;
         Needs {
             light: LightPath::Arrives,
             classification: self.mode == Mode::Composite,
             extinction_color: false,
             shadows: false,
-            several_volumes: false,
-            overlap: false,
+            several_volumes: several,
+            overlap: several,
             data_colors: false,
         }
     }
