@@ -5,14 +5,13 @@ use std::str::FromStr;
 
 use pellucid::field::Volume;
 use pellucid::io::{PngPixels, Transfer, write_png};
-use pellucid::scene::{Frame, ImageSettings, Scene, meant};
+use pellucid::scene::{Frame, ImageSettings, Likeness, Scene, TECHNIQUES, Technique, meant};
 use serde_json::{Value, json};
 
 use super::bench::{Meter, Plan, still};
 use super::difference::Difference;
 use super::engine::{BACKENDS, Engine};
 use super::failure::Failure;
-use super::flags::technique::{Kind, TECHNIQUES};
 use super::flags::{SceneFlags, Staged};
 use super::input::{Input, RawFlags};
 use super::report::{Report, print, print_json};
@@ -34,10 +33,7 @@ Examples:
 pub struct CompareArgs {
     /// A volume file, a scene (.toml, .json), or a built-in field as sample:NAME
     input: Input,
-    /// Techniques to draw with, the reference first: ray-cast, view-aligned, object-aligned, multi-texture,
-    /// shells, path-trace, half-angle, shadow-rays, shadow-volume (the last two cast rays); each may say
-    /// where, as ray-cast@cpu or ray-cast@gpu [default: the scene's own]
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', help = techniques_help())]
     techniques: Vec<Rendition>,
     /// One more picture, of the first technique with these settings (as --set takes them, separated by
     /// semicolons). Repeatable
@@ -83,7 +79,7 @@ impl FromStr for Settings {
 struct Rendition {
     label: String,
     /// The scene's own if it is not said.
-    technique: Option<Kind>,
+    technique: Option<Likeness>,
     settings: Settings,
     backend: Option<Backend>,
 }
@@ -94,13 +90,29 @@ const SHADOWS: [(&str, &str); 2] = [
     ("shadow-volume", "lighting.model=scattering; lighting.shadows.volume.resolution=0.5"),
 ];
 
+/// What can be drawn, by name, and with which settings.
+fn known() -> impl Iterator<Item = (&'static str, Likeness, &'static str)> + Clone {
+    let shadows = SHADOWS.map(|(name, settings)| (name, Technique::along_rays as Likeness, settings));
+    TECHNIQUES.iter().map(|(name, likeness)| (*name, *likeness, "")).chain(shadows)
+}
+
+fn techniques_help() -> String {
+    let names: Vec<&str> = known().map(|(name, ..)| name).collect();
+    let shadows: Vec<&str> = SHADOWS.iter().map(|(name, _)| *name).collect();
+    format!(
+        "Techniques to draw with, the reference first: {} ({} cast rays); each may say where, as ray-cast@cpu or \
+         ray-cast@gpu [default: the scene's own]",
+        names.join(", "),
+        shadows.join(" and ")
+    )
+}
+
 impl FromStr for Rendition {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (name, place) = text.split_once('@').map_or((text, None), |(name, place)| (name, Some(place)));
-        let shadows = SHADOWS.map(|(name, settings)| (name, Kind::Rays, settings));
-        let known = TECHNIQUES.map(|(name, kind)| (name, kind, "")).into_iter().chain(shadows);
+        let known = known();
         let found = known.clone().find(|(known, ..)| *known == name);
         let unknown = || {
             let names: Vec<&str> = known.map(|(name, ..)| name).collect();
@@ -196,7 +208,7 @@ fn draw(
 ) -> Result<Compared, Failure> {
     let mut scene = scene.clone();
     if let Some(technique) = rendition.technique {
-        scene.technique = technique.like(&scene.technique);
+        scene.technique = technique(&scene.technique);
     }
     let scene = set::apply(&scene, &rendition.settings.0)?;
     let mut meter = Meter::new(Plan { engine: plan.engine.suited_to(&scene.technique), ..plan })?;

@@ -89,7 +89,7 @@ impl Engine {
     /// The same, on a graphics adapter of any kind where the choice is open and the processor lacks the technique.
     pub fn suited_to(&self, technique: &Technique) -> Self {
         let open = self.backend == Backend::Auto && self.adapter.is_none();
-        if open && matches!(technique, Technique::Slicing(_)) { self.on(Backend::Gpu) } else { self.clone() }
+        if open && technique.needs().blending { self.on(Backend::Gpu) } else { self.clone() }
     }
 
     /// The renderer asked for.

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use pellucid::field::memory;
 use pellucid::io::IoError;
-use pellucid::scene::{Cancel, Control, Format, Frame, ImageSettings, Scene, Stage, Technique};
+use pellucid::scene::{Cancel, Control, Format, Frame, ImageSettings, Scene, Stage};
 use pellucid::{Passes, PngDepth, Progressive, RenderError, Renderer, save_exr, save_png};
 use serde_json::{Value, json};
 
@@ -98,13 +98,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let base = args.input.open(&args.raw)?;
     let scene = args.scene.apply(&base.scene)?;
     args.output.check()?;
-    let held = match &scene.technique {
-        // The denoiser's planes are as much as two frames.
-        Technique::PathTrace(settings) if settings.denoise => 4,
-        Technique::PathTrace(_) => 2,
-        _ if args.accumulate > 1 => 2,
-        _ => 1,
-    };
+    // Frames that are averaged are two.
+    let held = scene.technique.needs().frames.max(if args.accumulate > 1 { 2 } else { 1 });
     affordable(&scene.image, held)?;
     let mut idle = args.engine.check()?;
     idle.extend(args.output.idle());

@@ -57,7 +57,7 @@ impl CpuRenderer {
 
     /// Whether this backend has the technique that a stage asks for.
     pub fn draws(stage: &Stage) -> bool {
-        !matches!(stage.technique, Technique::Slicing(_)) && Self::merges(stage)
+        !stage.technique.needs().blending && Self::merges(stage)
     }
 
     /// Whether the technique draws as many volumes as a stage has.
@@ -157,7 +157,7 @@ fn render(
             drawing = Instant::now();
             tiles.draw(control, |tile| drawer.draw(tile, control))?;
         }
-        Technique::Slicing(_) => return Err(RenderError::Technique { technique: stage.technique.name() }),
+        _ => return Err(RenderError::Technique { technique: stage.technique.name() }),
     }
     let view = &stage.viewpoint;
     if let Some(settings) = stage.path_trace().filter(|settings| settings.denoise) {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use pellucid_optics::{ColorSpace, Nodes, Scattering, SurfaceShare, TransferFunction, path_extinction};
 use pellucid_plan::{BlockContent, BlockMap, Tables};
-use pellucid_scene::{Classification, ColorWeight, Combine, Isovalue, Mode, Slice, Stage, StageVolume, Technique};
+use pellucid_scene::{Classification, ColorWeight, Combine, Isovalue, LightPath, Mode, Slice, Stage, StageVolume};
 
 use crate::scattering::{self, Scatterers};
 use crate::shaders::Pass;
@@ -39,16 +39,17 @@ impl<'a> Optics<'a> {
     pub fn new(stage: &'a Stage, number: usize, tables: &'a Tables) -> Self {
         let volume = &stage.volumes[number];
         // Light on its way classifies every sample by itself.
-        let (pass, opaque) = match stage.technique {
-            Technique::HalfAngle(_) => (Pass::Composite, false),
-            Technique::PathTrace(_) => (Pass::PathTrace, false),
-            Technique::RayCast(_) | Technique::Slicing(_) => pass_of(stage),
+        let light = stage.technique.needs().light;
+        let (pass, opaque) = match light {
+            LightPath::Spreads => (Pass::Composite, false),
+            LightPath::Scatters => (Pass::PathTrace, false),
+            LightPath::Arrives => pass_of(stage),
         };
         let bleeds = pass == Pass::CompositePre
             && stage.slicing().is_some_and(|slicing| slicing.colors == ColorWeight::NonAssociated);
         let steps = tables.scattered_steps();
         let (entries, nodes) = match (pass, &tables.preintegration, &tables.stride_entries) {
-            _ if stage.half_angle().is_some() => (steps.entries(), steps.nodes()),
+            _ if light == LightPath::Spreads => (steps.entries(), steps.nodes()),
             (Pass::PreIntegrated, Some(segments), _) => (segments.entries(), segments.nodes()),
             (Pass::Composite, _, Some(strides)) => (strides.as_slice(), tables.step_table.nodes()),
             // Colours without their opacity, which invisible values have, too.

@@ -7,7 +7,7 @@ use pellucid_field::{Volume, memory};
 use pellucid_optics::{Anisotropy, Phase, ResolvedLight, Scattering, Shadows, Sky};
 use pellucid_plan::{PlanCache, Tables, cautions, merge_order};
 use pellucid_scene::{
-    Control, Frame, FrameStatistics, LightPath, Mode, Overlap, RenderWarning, Stage, StageVolume, Technique, denoise,
+    Control, Frame, FrameStatistics, Mode, Overlap, RenderWarning, Stage, StageVolume, Technique, denoise,
 };
 
 use crate::bricks;
@@ -103,6 +103,7 @@ impl GpuRenderer {
             Technique::HalfAngle(_) => None,
             _ if lit && !shadows => Some(format!("lighting.shadows = {} in {name}", stage.shadows.name())),
             Technique::RayCast(_) | Technique::Slicing(_) => None,
+            _ => Some(name.to_owned()),
         }
     }
 
@@ -252,7 +253,7 @@ impl GpuRenderer {
             },
         };
         let (plan, bricks) = MemoryPlan::new(&self.device, budget, stage, volume, &sources, &optics, demands)?;
-        let travels = stage.technique.needs().light == LightPath::Travels;
+        let travels = stage.technique.needs().light.is_followed();
         let moves = tables.displacer.is_some() || tables.variation.is_some() || colors.is_some();
         let shadowed = stage.shadow_step(volume).is_some() || stage.light_resolution(volume).is_some();
         if (travels || moves || shadowed || stage.has_layers()) && bricks.len() > 1 {
@@ -337,6 +338,9 @@ impl GpuRenderer {
                 let (mut slicer, drawing) = (slicer?, Instant::now());
                 slicer.draw(&mut self.slices, target, control, frame)?;
                 drawing
+            }
+            other => {
+                return Err(GpuError::Unsupported { what: other.name().to_owned(), advice: "use --backend cpu" });
             }
         };
         let rays = (stage.viewpoint.width * stage.viewpoint.height) as u64;

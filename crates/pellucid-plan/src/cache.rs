@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pellucid_field::{Blocks, FieldError, Volume};
 use pellucid_optics::{Chroma, ExtinctionBounds, Perturbation, Scattering, TransferFunction};
-use pellucid_scene::{Majorants, Mode, Quality, Stage};
+use pellucid_scene::{LightPath, Majorants, Mode, Quality, Stage};
 
 use crate::color_grid::ColorGrid;
 use crate::kept::{Kept, Margin};
@@ -39,7 +39,7 @@ struct Settings {
     mode: Mode,
     classifies_voxels: bool,
     /// How light is scattered, if it is, and whether it travels from slab to slab.
-    scattering: Option<(Scattering, bool)>,
+    scattering: Option<(Scattering, LightPath)>,
     /// How each colour is held back, if not all alike.
     chroma: Option<Chroma>,
     perturbation: Perturbation,
@@ -77,7 +77,7 @@ impl PlanCache {
             quality: stage.quality.clone(),
             mode: stage.mode().clone(),
             classifies_voxels: stage.classifies_voxels(),
-            scattering: stage.scatters().then(|| (volume.scattering.clone(), stage.half_angle().is_some())),
+            scattering: stage.scatters().then(|| (volume.scattering.clone(), stage.technique.needs().light)),
             chroma: stage.chroma(volume),
             perturbation: volume.perturbation.clone(),
         };

@@ -1,7 +1,7 @@
 //! What a stage asks for that would take far more time or memory than its picture is worth, and what is done.
 
 use pellucid_optics::path_extinction;
-use pellucid_scene::{RenderWarning, Stage, StageVolume};
+use pellucid_scene::{LightPath, RenderWarning, Stage, StageVolume};
 
 use crate::half_angle::{Geometry, LightPoints, around, lights};
 
@@ -9,12 +9,12 @@ use crate::half_angle::{Geometry, LightPoints, around, lights};
 /// where a medium is so dense that its light hardly gets anywhere. A light volume has at most `side` points along an
 /// axis.
 pub fn cautions(stage: &Stage, side: usize) -> impl Iterator<Item = RenderWarning> {
-    let volumes = stage.volumes.iter().enumerate();
+    let (volumes, light) = (stage.volumes.iter().enumerate(), stage.technique.needs().light);
     volumes
         .flat_map(move |(number, volume)| {
-            let dense = stage.path_trace().map(|_| too_dense(number, volume));
-            // Light of half-angle slices passes all volumes in the same slabs.
-            let sweeps = number == 0 || stage.half_angle().is_none();
+            let dense = (light == LightPath::Scatters).then(|| too_dense(number, volume));
+            // Light that spreads passes all volumes in the same slabs.
+            let sweeps = number == 0 || light != LightPath::Spreads;
             let slabs = sweeps.then(|| too_many_slabs(stage, volume, side));
             [dense.flatten(), too_many_points(stage, volume, side), slabs.flatten()]
         })

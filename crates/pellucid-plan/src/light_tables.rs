@@ -1,7 +1,7 @@
 //! What samples that scatter light look up, and what its indirect part loses (6.2, 6.3).
 
 use pellucid_optics::{Albedo, DataRange, OpticsError, ScatterTable, StepTable, Table, TransportTable};
-use pellucid_scene::{Stage, StageVolume};
+use pellucid_scene::{LightPath, Stage, StageVolume};
 
 /// The tables of a stage whose samples scatter light as a cloud; all are empty where they do not.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,7 +29,8 @@ impl LightTables {
             let albedo = |value, entry| scattering.at(value, entry).albedo;
             StepTable::of(&table.recolored(albedo), ratio as f32, stage.chroma(volume).as_ref())
         });
-        let transport = stage.half_angle().map(|_| TransportTable::new(scattering, data, ratio)).transpose()?.flatten();
+        let spreads = stage.technique.needs().light == LightPath::Spreads;
+        let transport = spreads.then(|| TransportTable::new(scattering, data, ratio)).transpose()?.flatten();
         Ok(Self { scatter: Some(ScatterTable::new(scattering, table, data)?), albedo: albedo.transpose()?, transport })
     }
 }

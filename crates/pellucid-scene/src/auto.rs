@@ -12,7 +12,7 @@ use serde_json::json;
 use crate::choice::Choice;
 use crate::origin::origin_of;
 use crate::population::{Backdrop, Population};
-use crate::{Camera, LightPath, Mode, Projection, Technique, View, Viewpoint, VolumeEntry};
+use crate::{Camera, Mode, Projection, Technique, View, Viewpoint, VolumeEntry};
 
 /// Optics of a volume.
 pub struct Optics {
@@ -314,7 +314,7 @@ fn lit_by_environment(technique: &Technique) -> bool {
 
 /// What lights a technique that follows light, where the scene left it open.
 pub fn lights_choice(lighting: &Lighting, technique: &Technique) -> Option<Choice> {
-    let follows = technique.needs().light == LightPath::Travels;
+    let follows = technique.needs().light.is_followed();
     let (lights, chosen) = match lit_by_environment(technique) {
         true => ("environment", "the environment alone"),
         false => ("headlight", "a headlight, which casts no shadow that is seen; lighting.lights brings others"),

@@ -34,6 +34,7 @@ mod origin;
 mod overlap;
 mod population;
 mod quality;
+mod relight;
 mod render_warning;
 mod resolve;
 mod scene;
@@ -66,6 +67,6 @@ pub use stage::Stage;
 pub use stage_volume::StageVolume;
 pub use technique::{
     BlendOrder, BlurJitter, BlurScaling, ColorWeight, Combine, Correction, HalfAngle, InScatter, Isosurface, Isovalue,
-    LightCorrection, LightPath, Majorants, Mode, Needs, PathTrace, Proxy, RayCast, Slice, SliceGeometry, SliceTarget,
-    Slicing, Technique,
+    LightCorrection, LightPath, Likeness, Majorants, Mode, Needs, PathTrace, Proxy, RayCast, Slice, SliceGeometry,
+    SliceTarget, Slicing, TECHNIQUES, Technique,
 };

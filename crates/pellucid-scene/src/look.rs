@@ -6,7 +6,7 @@ use pellucid_optics::{
     OpticsError, Phase, PhaseNormalization, Scattering, ShadowVolume, Shadows, SkyImage, SkySource, SurfaceShare,
 };
 
-use crate::{Background, InScatter, LightPath, Scene, Technique};
+use crate::Background;
 
 /// A bundle of ordinary settings: lights, ambient light, shadows, the environment of paths, the background, and how
 /// the volumes answer light. What a transfer function or a preset decides, which values are seen and in
@@ -61,54 +61,8 @@ impl Look {
         })
     }
 
-    /// Makes the settings of a scene its own. Nothing else remembers it: a scene that is saved holds the settings.
-    pub fn apply(self, scene: &mut Scene) {
-        scene.lighting = self.lighting();
-        scene.image.background = self.background();
-        match &mut scene.technique {
-            Technique::PathTrace(settings) => {
-                settings.environment = self.environment();
-                settings.surface_depth = if self == Self::Cloud { 0.0 } else { 3.0 };
-                settings.denoise = true;
-                // The sky and the ambient light are the same light.
-                if self == Self::Sky {
-                    scene.lighting.lights.clear();
-                }
-            }
-            Technique::HalfAngle(settings) => {
-                settings.ambient = true;
-                // What is spread forward reaches shadows as well.
-                scene.lighting.ambient = scene.lighting.ambient.min(0.35);
-                settings.blur_angle = if self == Self::Skin { 45.0 } else { 35.0 };
-                (settings.in_scatter, settings.initial_indirect, settings.indirect) = match self {
-                    Self::Cloud => (InScatter::DirectFromMatter, 0.3, 1.0),
-                    _ => (InScatter::default(), 1.0, 0.55),
-                };
-            }
-            // Surfaces lie half in the shadow of their own matter, and light that is scattered again is lost.
-            Technique::RayCast(_) => {
-                let gain = if self == Self::Cloud { 2.5 } else { 1.6 };
-                scene.lighting.lights.iter_mut().for_each(|light| light.intensity *= gain);
-            }
-            Technique::Slicing(_) => {}
-        }
-        // The others follow light through the volume by themselves, or not at all.
-        let needs = scene.technique.needs();
-        if !needs.shadows {
-            scene.lighting.shadows = Shadows::default();
-        }
-        if needs.light == LightPath::Travels {
-            scene.lighting.model = LightModel::default();
-        }
-        for entry in &mut scene.volumes {
-            entry.shading = Some(self != Self::Cloud);
-            entry.material = self.material();
-            // Functions of the data's values, the same for all of them.
-            entry.scattering = self.scattering(&scene.technique);
-        }
-    }
-
-    fn lighting(self) -> Lighting {
+    /// Its lights.
+    pub(crate) fn lighting(self) -> Lighting {
         let shadows = Shadows::Volume(ShadowVolume { resolution: 1.0 });
         let (lights, ambient) = match self {
             Self::Studio => (
@@ -134,7 +88,8 @@ impl Look {
         Lighting { lights, ambient, shadows, model }
     }
 
-    fn background(self) -> Background {
+    /// What is seen behind the volumes.
+    pub(crate) fn background(self) -> Background {
         let gradient = |top, bottom| Background::Gradient { top: Color::hex(top), bottom: Color::hex(bottom) };
         match self {
             Self::Studio => gradient(0x565a61, 0x1c1e22),
@@ -144,7 +99,8 @@ impl Look {
         }
     }
 
-    fn environment(self) -> Environment {
+    /// What shines from around.
+    pub(crate) fn environment(self) -> Environment {
         let gradient = |top, bottom, intensity| Environment::Gradient {
             top: Color::hex(top),
             bottom: Color::hex(bottom),
@@ -160,7 +116,8 @@ impl Look {
         }
     }
 
-    fn material(self) -> Option<Material> {
+    /// How surfaces answer light, if it shows any.
+    pub(crate) fn material(self) -> Option<Material> {
         let material = |diffuse, specular, shininess| Material {
             ambient: 0.5,
             diffuse,
@@ -176,9 +133,8 @@ impl Look {
         }
     }
 
-    fn scattering(self, technique: &Technique) -> Scattering {
-        // Whether light is followed and conserved, or made for the eye.
-        let physical = matches!(technique, Technique::PathTrace(_));
+    /// How volumes scatter; `physical`: whether light is followed and conserved, or made for the eye.
+    pub(crate) fn scattering(self, physical: bool) -> Scattering {
         let everywhere = |color| Some(vec![ColorPoint::new(0.0, Color::hex(color))]);
         let surface = |share| SurfaceShare::Values(vec![NumberPoint::new(0.0, share)]);
         let normalization = if physical { PhaseNormalization::Physical } else { PhaseNormalization::Renormalised };

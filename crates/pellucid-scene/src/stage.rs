@@ -60,33 +60,24 @@ impl Stage {
 
     /// The settings of slices, if those draw.
     pub fn slicing(&self) -> Option<&Slicing> {
-        match &self.technique {
-            Technique::Slicing(slicing) => Some(slicing),
-            _ => None,
-        }
+        self.technique.slicing()
     }
 
     /// The settings of half-angle slicing, if that draws.
     pub fn half_angle(&self) -> Option<&HalfAngle> {
-        match &self.technique {
-            Technique::HalfAngle(half_angle) => Some(half_angle),
-            _ => None,
-        }
+        self.technique.half_angle()
     }
 
     /// The settings of the path tracer, if that draws.
     pub fn path_trace(&self) -> Option<&PathTrace> {
-        match &self.technique {
-            Technique::PathTrace(path_trace) => Some(path_trace),
-            _ => None,
-        }
+        self.technique.path_trace()
     }
 
     /// Whether samples answer light as a cloud, by the volume's `scattering`.
     pub fn scatters(&self) -> bool {
         match self.technique.needs().light {
             LightPath::Arrives => self.light_model == LightModel::Scattering && *self.mode() == Mode::Composite,
-            LightPath::Travels => true,
+            LightPath::Spreads | LightPath::Scatters => true,
         }
     }
 
@@ -117,7 +108,7 @@ impl Stage {
     /// Whether colours from behind are held back each in its own way, which one alpha cannot tell
     /// ([`Frame::opacities`](crate::Frame)).
     pub fn holds_back_each_color(&self) -> bool {
-        let by_paths = self.path_trace().is_some();
+        let by_paths = self.technique.needs().light == LightPath::Scatters;
         self.volumes.iter().any(|volume| match by_paths {
             true => volume.scattering.extinction_factors().is_some() && !self.has_layers(),
             false => self.chroma(volume).is_some(),
@@ -155,8 +146,8 @@ impl Stage {
     /// What is drawn otherwise than the scene asks for: only paths find the size of a light, blending
     /// units hold all colours back alike, and points of a transfer function may be too close to be told apart.
     pub fn fallbacks(&self) -> impl Iterator<Item = RenderWarning> {
-        let by_paths = matches!(self.technique, Technique::PathTrace(_));
-        let name = self.technique.name();
+        let (needs, name) = (self.technique.needs(), self.technique.name());
+        let by_paths = needs.light == LightPath::Scatters;
         let sized = self.lights.iter().enumerate().filter(|(_, light)| light.has_extent());
         let lights = sized.map(move |(number, _)| {
             format!("lighting.lights[{number}] has a size, which {name} does not draw: its middle shines")
@@ -167,9 +158,7 @@ impl Stage {
             let setting = format!("volumes[{number}].scattering.extinction_color");
             match self.chroma(volume) {
                 None => Some(format!("{setting} is not drawn by {name}: all colours are lost alike")),
-                Some(_)
-                    if self.half_angle().is_none() && self.quality.classification == Classification::PreIntegrated =>
-                {
+                Some(_) if needs.classification && self.quality.classification == Classification::PreIntegrated => {
                     Some(format!(
                         "{setting} is drawn with post-classification, as integrals hold all colours back alike"
                     ))
@@ -216,7 +205,7 @@ impl Stage {
 
     /// The environment, if the technique has one that is not dark.
     fn sky(&self) -> Option<Sky> {
-        self.path_trace()?.environment.resolve().ok().flatten()
+        self.technique.environment()?.resolve().ok().flatten()
     }
 
     /// The environment's radiance behind every pixel, linear RGB by rows, where the background is that; else nothing.

@@ -4,8 +4,8 @@ use std::fmt;
 
 use pellucid_optics::SurfaceShare;
 use pellucid_scene::{
-    BlendOrder, BlurJitter, Classification, Combine, HalfAngle, Isosurface, Mode, Orbit, PathTrace, RayCast, Scene,
-    Slice, SliceGeometry, Slicing, Source, Stage, StageVolume, Technique, View, VolumeEntry,
+    Classification, Combine, Isosurface, LightPath, Mode, Orbit, Scene, Slice, Source, Stage, StageVolume, View,
+    VolumeEntry,
 };
 use serde_json::Value;
 
@@ -51,26 +51,20 @@ pub fn without_effect(scene: &Scene, stage: &Stage, also: &[&str]) -> Vec<Withou
             }
         }
     }
+    for (own, reason) in stage.technique.idle() {
+        let setting = format!("technique.{}.{own}", stage.technique.name());
+        if said(&setting) {
+            found.push(WithoutEffect { setting, reason });
+        }
+    }
     found
 }
 
 /// A scene of the same kind, everything in it left to its default.
 fn defaults_of(scene: &Scene) -> Scene {
-    let mode = match scene.technique.mode() {
-        Mode::Slice(_) => Mode::Slice(Slice::default()),
-        Mode::Isosurface(surfaces) => Mode::Isosurface(surfaces.clone()),
-        mode => mode.clone(),
-    };
     let mut plain = Scene {
         volumes: scene.volumes.iter().map(|_| VolumeEntry::new(Source::memory())).collect(),
-        technique: match &scene.technique {
-            Technique::RayCast(_) => Technique::RayCast(RayCast { mode }),
-            Technique::Slicing(slicing) => {
-                Technique::Slicing(Slicing { mode, geometry: slicing.geometry, ..Slicing::default() })
-            }
-            Technique::HalfAngle(_) => Technique::HalfAngle(HalfAngle::default()),
-            Technique::PathTrace(_) => Technique::PathTrace(PathTrace::default()),
-        },
+        technique: scene.technique.plain(),
         ..Scene::default()
     };
     plain.camera.view = View::Orbit(Orbit::default());
@@ -122,24 +116,16 @@ const NEEDS: &[(&str, &[Need])] = &[
     ("volumes[].perturbation.optics", &[COMPOSITED]),
     ("lighting.lights", &[LIT]),
     ("lighting.ambient", &[LIT_FROM_EVERYWHERE]),
-    ("lighting.shadows", &[BY_RAYS, LIT]),
+    ("lighting.shadows", &[LIT, SHADOWED]),
     ("lighting.model", &[SAMPLES_OF_RAYS_OR_SLICES, COMPOSITED]),
     ("technique.*.mode.slice.combine", &[THICK]),
-    ("technique.path_trace.focus", &[APERTURE]),
     ("technique.path_trace.surface_depth", &[MADE_OF_SURFACES]),
-    ("technique.half_angle.initial_indirect", &[INDIRECT]),
-    ("technique.half_angle.in_scatter", &[INDIRECT]),
-    ("technique.half_angle.blur_angle", &[INDIRECT]),
-    ("technique.half_angle.taps", &[INDIRECT]),
-    ("technique.half_angle.blur_scaling", &[INDIRECT]),
-    ("technique.half_angle.jitter", &[INDIRECT, SEVERAL_TAPS]),
-    ("technique.half_angle.seed", &[INDIRECT, SEVERAL_TAPS, JITTERED_TAPS]),
     ("quality.step", &[NOT_BY_PATHS, NOT_A_PLANE, NOT_AN_EXTREME]),
     ("quality.gradient", &[MADE_OF_SURFACES, SHADED]),
     ("quality.classification", &[SAMPLES_OF_RAYS_OR_SLICES, COMPOSITED]),
     ("quality.jitter", &[NOT_A_PLANE, NOT_AN_EXTREME, NOT_THE_VOLUMES_PLANES]),
     ("quality.early_termination", &[NOT_BY_PATHS, BECOMES_OPAQUE, NEAREST_FIRST]),
-    ("quality.adaptive_tolerance", &[BY_RAYS, COMPOSITED, POST_CLASSIFIED]),
+    ("quality.adaptive_tolerance", &[ADAPTIVE, COMPOSITED, POST_CLASSIFIED]),
     ("quality.supersampling", &[NOT_BY_PATHS]),
 ];
 
@@ -239,25 +225,19 @@ fn is_shaded(volume: &StageVolume) -> bool {
 }
 
 const SURFACES_OR_AMBIENT: Need = Need {
-    // A cloud along rays or in slices still reflects ambient light by its material.
+    // A cloud still reflects ambient light by its material.
     is_met: |drawn| {
-        let composites = matches!(drawn.stage.technique, Technique::RayCast(_) | Technique::Slicing(_));
-        (MADE_OF_SURFACES.is_met)(drawn)
-            || (composites && *drawn.stage.mode() == Mode::Composite)
-            || drawn.stage.half_angle().is_some_and(|settings| settings.ambient)
+        let reflects = drawn.stage.technique.needs().ambient && *drawn.stage.mode() == Mode::Composite;
+        (MADE_OF_SURFACES.is_met)(drawn) || reflects
     },
     otherwise: MADE_OF_SURFACES.otherwise,
 };
 
 const LIT_FROM_EVERYWHERE: Need = Need {
-    is_met: |drawn| match &drawn.stage.technique {
-        Technique::PathTrace(_) => false,
-        Technique::HalfAngle(settings) => settings.ambient,
-        Technique::RayCast(_) | Technique::Slicing(_) => {
-            // What scatters reflects it as the default material does where there is none.
-            let answers = drawn.stage.scatters() || drawn.stage.volumes.iter().any(is_shaded);
-            (SURFACES_OR_AMBIENT.is_met)(drawn) && answers
-        }
+    is_met: |drawn| {
+        // What scatters reflects it as the default material does where there is none.
+        let answers = drawn.stage.scatters() || drawn.stage.volumes.iter().any(is_shaded);
+        drawn.stage.technique.needs().ambient && (SURFACES_OR_AMBIENT.is_met)(drawn) && answers
     },
     otherwise: "only what is shaded reflects ambient light; half-angle slicing if its own 'ambient' is on, and paths find \
                 their environment instead",
@@ -279,22 +259,23 @@ const LIT_BY_SCATTERING: Need = Need {
 };
 
 const BY_HALF_ANGLES: Need = Need {
-    is_met: |drawn| drawn.stage.half_angle().is_some(),
+    is_met: |drawn| drawn.stage.technique.needs().light == LightPath::Spreads,
     otherwise: "indirect light travels through slices of half_angle only",
 };
 
-const BY_RAYS: Need = Need {
-    is_met: |drawn| matches!(drawn.stage.technique, Technique::RayCast(_)),
-    otherwise: "it is about the ray caster",
-};
+const SHADOWED: Need =
+    Need { is_met: |drawn| drawn.stage.technique.needs().shadows, otherwise: "it is about the ray caster" };
+
+const ADAPTIVE: Need =
+    Need { is_met: |drawn| drawn.stage.technique.needs().adaptive, otherwise: "it is about the ray caster" };
 
 const NOT_BY_PATHS: Need = Need {
-    is_met: |drawn| drawn.stage.path_trace().is_none(),
+    is_met: |drawn| drawn.stage.technique.needs().light != LightPath::Scatters,
     otherwise: "paths meet matter at random: their number, technique.path_trace.samples, is their quality",
 };
 
 const SAMPLES_OF_RAYS_OR_SLICES: Need = Need {
-    is_met: |drawn| matches!(drawn.stage.technique, Technique::RayCast(_) | Technique::Slicing(_)),
+    is_met: |drawn| !drawn.stage.technique.needs().light.is_followed(),
     otherwise: "the technique classifies every sample by itself and scatters light at it",
 };
 
@@ -326,7 +307,7 @@ const NOT_AN_EXTREME: Need = Need {
 };
 
 const NOT_THE_VOLUMES_PLANES: Need = Need {
-    is_met: |drawn| drawn.stage.slicing().is_none_or(|slicing| slicing.geometry != SliceGeometry::ObjectAligned),
+    is_met: |drawn| drawn.stage.technique.needs().jitter,
     otherwise: "object-aligned slices lie on the planes of the voxels",
 };
 
@@ -340,26 +321,6 @@ const BECOMES_OPAQUE: Need = Need {
 };
 
 const NEAREST_FIRST: Need = Need {
-    is_met: |drawn| drawn.stage.slicing().is_none_or(|slicing| slicing.order == BlendOrder::FrontToBack),
+    is_met: |drawn| drawn.stage.technique.needs().front_to_back,
     otherwise: "what is farthest is blended first",
-};
-
-const APERTURE: Need = Need {
-    is_met: |drawn| drawn.stage.path_trace().is_none_or(|settings| settings.aperture > 0.0),
-    otherwise: "everything is in focus without an aperture",
-};
-
-const INDIRECT: Need = Need {
-    is_met: |drawn| drawn.stage.half_angle().is_none_or(|settings| settings.indirect > 0.0),
-    otherwise: "there is no indirect light",
-};
-
-const SEVERAL_TAPS: Need = Need {
-    is_met: |drawn| drawn.stage.half_angle().is_none_or(|settings| settings.taps > 1),
-    otherwise: "a single tap does not blur",
-};
-
-const JITTERED_TAPS: Need = Need {
-    is_met: |drawn| drawn.stage.half_angle().is_none_or(|settings| settings.jitter != BlurJitter::Fixed),
-    otherwise: "the taps are at the same places in every slice",
 };

@@ -1,8 +1,8 @@
 //! What becomes of the samples along a ray.
 
 use pellucid::scene::{
-    Camera, Combine, Isosurface, Isovalue, Mode, Orbit, Projection, Scene, Slice, SliceGeometry, StageVolume,
-    Technique, View,
+    Camera, Combine, Isosurface, Isovalue, Likeness, Mode, Orbit, Projection, Scene, Slice, StageVolume, TECHNIQUES,
+    View,
 };
 
 use crate::failure::Failure;
@@ -23,17 +23,6 @@ const NOT_MODES: [(&str, &str); 2] = [
     ("slice", "--slice axial, coronal, sagittal or a normal draws a plane"),
 ];
 
-/// What draws, by name.
-pub const TECHNIQUES: [(&str, Kind); 7] = [
-    ("ray-cast", Kind::Rays),
-    ("view-aligned", Kind::Slices(SliceGeometry::ViewAligned)),
-    ("object-aligned", Kind::Slices(SliceGeometry::ObjectAligned)),
-    ("multi-texture", Kind::Slices(SliceGeometry::MultiTexture)),
-    ("shells", Kind::Slices(SliceGeometry::Shells)),
-    ("half-angle", Kind::HalfAngle),
-    ("path-trace", Kind::Paths),
-];
-
 /// What is looked for among techniques, and where it is.
 const NOT_TECHNIQUES: [(&str, &str); 8] = [
     ("composite", "--mode composite, of ray-cast and the slices, is the default"),
@@ -46,31 +35,6 @@ const NOT_TECHNIQUES: [(&str, &str); 8] = [
     ("slice", "planes are drawn with --slice axial|coronal|sagittal|NX,NY,NZ"),
 ];
 
-/// A technique that keeps the scene's mode, as far as it has any.
-#[derive(Clone, Copy, Debug)]
-pub enum Kind {
-    /// The ray caster.
-    Rays,
-    /// Slices.
-    Slices(SliceGeometry),
-    /// Slices that light and view share.
-    HalfAngle,
-    /// The path tracer.
-    Paths,
-}
-
-impl Kind {
-    /// The technique with the mode of another.
-    pub fn like(self, technique: &Technique) -> Technique {
-        match self {
-            Self::Rays => technique.along_rays(),
-            Self::Slices(geometry) => technique.in_slices(geometry),
-            Self::HalfAngle => technique.by_half_angles(),
-            Self::Paths => technique.by_paths(),
-        }
-    }
-}
-
 const COMBINES: [(&str, Combine); 3] =
     [("maximum", Combine::Maximum), ("minimum", Combine::Minimum), ("average", Combine::Average)];
 
@@ -82,8 +46,8 @@ pub struct TechniqueFlags {
     ///
     /// Slices lie across the view (view-aligned), on the volume's own planes (object-aligned), between those
     /// (multi-texture), or on spheres around the eye (shells). They keep no depth and no normals.
-    #[arg(long, value_name = "TECHNIQUE", value_parser = values::word_or(&TECHNIQUES, &NOT_TECHNIQUES))]
-    technique: Option<Kind>,
+    #[arg(long, value_name = "TECHNIQUE", value_parser = values::word_or(TECHNIQUES, &NOT_TECHNIQUES))]
+    technique: Option<Likeness>,
     /// What becomes of the samples along a ray [default: composite]
     #[arg(long, value_name = "MODE", value_parser = values::word_or(&MODES, &NOT_MODES), conflicts_with_all = ["iso", "slice"])]
     mode: Option<Mode>,
@@ -131,7 +95,7 @@ impl TechniqueFlags {
     /// `face`: whether the camera may be turned towards a slice.
     pub fn apply(&self, scene: &mut Scene, face: bool) -> Result<(), Failure> {
         if let Some(technique) = self.technique {
-            scene.technique = technique.like(&scene.technique);
+            scene.technique = technique(&scene.technique);
         }
         let technique = scene.technique.name();
         let Some(mode) = scene.technique.mode_mut() else {

@@ -1,9 +1,13 @@
 //! Settings of half-angle slicing (Kniss et al. 2003, section 6.3).
 
+use pellucid_optics::Lighting;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Technique;
 use super::needs::{LightPath, Needs};
+use super::settings::Settings;
+use crate::Look;
 use crate::check::{Checked, require};
 
 /// Light that travels through the volume while it is drawn: slices halfway between the light and the eye
@@ -123,20 +127,58 @@ pub enum InScatter {
     BothFromMatter,
 }
 
-impl HalfAngle {
-    pub(super) fn needs(&self) -> Needs {
+impl Settings for HalfAngle {
+    fn name(&self) -> &'static str {
+        "half_angle"
+    }
+
+    fn needs(&self) -> Needs {
         Needs {
-            light: LightPath::Travels,
+            light: LightPath::Spreads,
+            ambient: self.ambient,
             classification: false,
             extinction_color: true,
             shadows: false,
             several_volumes: true,
             overlap: false,
             data_colors: true,
+            adaptive: false,
+            jitter: true,
+            front_to_back: true,
+            blending: false,
+            frames: 1,
         }
     }
 
-    pub(super) fn check(&self, path: &str) -> Checked {
+    fn plain(&self) -> Technique {
+        Technique::HalfAngle(Self::default())
+    }
+
+    fn idle(&self) -> Vec<(&'static str, &'static str)> {
+        let all = |names: &[&'static str], reason| names.iter().map(|name| (*name, reason)).collect();
+        match self {
+            Self { indirect, .. } if *indirect <= 0.0 => all(
+                &["initial_indirect", "in_scatter", "blur_angle", "taps", "blur_scaling", "jitter", "seed"],
+                "there is no indirect light",
+            ),
+            Self { taps: ..=1, .. } => all(&["jitter", "seed"], "a single tap does not blur"),
+            Self { jitter: BlurJitter::Fixed, .. } => all(&["seed"], "the taps are at the same places in every slice"),
+            _ => Vec::new(),
+        }
+    }
+
+    fn light_by(&mut self, look: Look, lighting: &mut Lighting) {
+        self.ambient = true;
+        // What is spread forward reaches shadows as well.
+        lighting.ambient = lighting.ambient.min(0.35);
+        self.blur_angle = if look == Look::Skin { 45.0 } else { 35.0 };
+        (self.in_scatter, self.initial_indirect, self.indirect) = match look {
+            Look::Cloud => (InScatter::DirectFromMatter, 0.3, 1.0),
+            _ => (InScatter::default(), 1.0, 0.55),
+        };
+    }
+
+    fn check(&self, path: &str) -> Checked {
         require((16..=4096).contains(&self.resolution), path, "resolution", self.resolution, "16 to 4096 texels")?;
         for (key, factor) in [("direct", self.direct), ("indirect", self.indirect)] {
             require((0.0..=100.0).contains(&factor), path, key, factor, "0 to 100")?;

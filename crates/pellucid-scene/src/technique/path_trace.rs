@@ -1,10 +1,13 @@
 //! Settings of the path tracer.
 
-use pellucid_optics::Environment;
+use pellucid_optics::{Environment, Lighting};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Technique;
 use super::needs::{LightPath, Needs};
+use super::settings::Settings;
+use crate::Look;
 use crate::check::{Checked, join, positive, require};
 use crate::check_optics;
 
@@ -88,24 +91,64 @@ pub enum Majorants {
 }
 
 impl PathTrace {
+    /// Fewest paths by which [`noise`](Self::noise) is judged: of fewer, dark pixels are often not without noise but
+    /// unlucky.
+    pub const LEAST_TO_JUDGE: u32 = 64;
+}
+
+impl Settings for PathTrace {
+    fn name(&self) -> &'static str {
+        "path_trace"
+    }
+
     /// Paths look at extinctions, of each colour if they differ, and not at opacities of samples.
-    pub(super) fn needs(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs {
-            light: LightPath::Travels,
+            light: LightPath::Scatters,
+            ambient: false,
             classification: false,
             extinction_color: false,
             shadows: false,
             several_volumes: true,
             overlap: false,
             data_colors: false,
+            adaptive: false,
+            jitter: true,
+            front_to_back: true,
+            blending: false,
+            // Passes are averaged, and the denoiser's planes are as much as two pictures.
+            frames: if self.denoise { 4 } else { 2 },
         }
     }
 
-    /// Fewest paths by which [`noise`](Self::noise) is judged: of fewer, dark pixels are often not without noise but
-    /// unlucky.
-    pub const LEAST_TO_JUDGE: u32 = 64;
+    fn environment(&self) -> Option<&Environment> {
+        Some(&self.environment)
+    }
 
-    pub(super) fn check(&self, path: &str) -> Checked {
+    fn environment_mut(&mut self) -> Option<&mut Environment> {
+        Some(&mut self.environment)
+    }
+
+    fn plain(&self) -> Technique {
+        Technique::PathTrace(Self::default())
+    }
+
+    fn idle(&self) -> Vec<(&'static str, &'static str)> {
+        let focused = self.aperture <= 0.0;
+        focused.then_some(("focus", "everything is in focus without an aperture")).into_iter().collect()
+    }
+
+    fn light_by(&mut self, look: Look, lighting: &mut Lighting) {
+        self.environment = look.environment();
+        self.surface_depth = if look == Look::Cloud { 0.0 } else { 3.0 };
+        self.denoise = true;
+        // The sky and the ambient light are the same light.
+        if look == Look::Sky {
+            lighting.lights.clear();
+        }
+    }
+
+    fn check(&self, path: &str) -> Checked {
         require((1..=1 << 20).contains(&self.samples), path, "samples", self.samples, "1 to 1048576")?;
         require(self.bounces <= 100_000, path, "bounces", self.bounces, "0 to 100000")?;
         require((0.0..=1.0).contains(&self.noise), path, "noise", self.noise, "0 to 1")?;

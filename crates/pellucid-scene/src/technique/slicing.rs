@@ -3,8 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Technique;
+use super::mode::{Mode, Slice};
 use super::needs::{LightPath, Needs};
-use super::{Mode, Slice};
+use super::settings::Settings;
 use crate::check::{Checked, require};
 
 /// Settings of the slicers. Slices keep no depth and no normals: blending forgets where light came from.
@@ -125,24 +127,46 @@ pub enum Proxy {
     Processor,
 }
 
-impl Slicing {
+impl Settings for Slicing {
+    fn name(&self) -> &'static str {
+        "slicing"
+    }
+
     /// Blending units hold all colours back alike, and look at no light. Slices through several volumes are composited
     /// as they are drawn, and lie along the axes of none.
-    pub(super) fn needs(&self) -> Needs {
+    fn needs(&self) -> Needs {
         let through_all = matches!(self.geometry, SliceGeometry::ViewAligned | SliceGeometry::Shells);
         let several = through_all && self.mode == Mode::Composite;
         Needs {
             light: LightPath::Arrives,
+            ambient: true,
             classification: self.mode == Mode::Composite,
             extinction_color: false,
             shadows: false,
             several_volumes: several,
             overlap: several,
             data_colors: false,
+            adaptive: false,
+            jitter: self.geometry != SliceGeometry::ObjectAligned,
+            front_to_back: self.order == BlendOrder::FrontToBack,
+            blending: true,
+            frames: 1,
         }
     }
 
-    pub(super) fn check(&self, path: &str) -> Checked {
+    fn mode(&self) -> &Mode {
+        &self.mode
+    }
+
+    fn mode_mut(&mut self) -> Option<&mut Mode> {
+        Some(&mut self.mode)
+    }
+
+    fn plain(&self) -> Technique {
+        Technique::Slicing(Self { mode: self.mode.plain(), geometry: self.geometry, ..Self::default() })
+    }
+
+    fn check(&self, path: &str) -> Checked {
         if let Mode::Slice(Slice { thickness, .. }) = self.mode {
             let expected = "a length above 0: a plane is for the ray caster";
             require(thickness > 0.0, &format!("{path}.mode.slice"), "thickness", thickness, expected)?;
