@@ -1,4 +1,4 @@
-//! What shaders are told of paths: the structure of `paths.wgsl`.
+//! What shaders are told of paths: the structure of `lists.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};

@@ -4,7 +4,7 @@
 #import pellucid::frame::{frame, world_of}
 #import pellucid::light::{Incident, incident, normalized}
 #import pellucid::lists::{Extent, lights}
-#import pellucid::paths::FAR_AWAY
+#import pellucid::flight::FAR_AWAY
 #import pellucid::random::random
 #import pellucid::scatter::PI
 #import pellucid::vertex::turned_by

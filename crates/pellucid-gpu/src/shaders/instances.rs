@@ -93,17 +93,38 @@ pub fn each_hit(layers: usize) -> String {
         + &choices(layers, "hits", &functions)
 }
 
-/// Functions, by names, parameters and types, that call those of a module of one of so many layers, by its number.
+/// What asks one of so many layers what becomes of paths, by its number; of no layers, the volume that has none.
+pub fn each_path(layers: usize) -> String {
+    let at_vertices = [
+        ("vertex_of", "p: vec3<f32>, value: f32, color: vec3<f32>, forward: vec3<f32>", "Vertex"),
+        ("vertex_value", "vertex: Vertex, direction: vec3<f32>", "vec3<f32>"),
+        ("vertex_density", "vertex: Vertex, direction: vec3<f32>", "f32"),
+        ("vertex_sample", "vertex: Vertex", "vec3<f32>"),
+        ("vertex_light", "vertex: Vertex, to_light: vec3<f32>, radiance: vec3<f32>, has_highlight: bool", "vec3<f32>"),
+        ("emission", "", "f32"),
+    ];
+    let at_places = [("in_front", "p: vec3<f32>, normal: vec3<f32>, extinction: f32", "vec3<f32>")];
+    "#define_import_path pellucid::each_path\n#import pellucid::flight::Vertex\n".to_owned()
+        + &choices(layers, "paths", &at_places)
+        + &choices(layers, "vertex", &at_vertices)
+}
+
+/// Functions, by names, parameters and types, that call those of a module of one of so many layers, by its number; of no
+/// layers, those of the volume that has none.
 fn choices(layers: usize, module: &str, functions: &[(&str, &str, &str)]) -> String {
-    let import = |k: usize| format!("#import pellucid::of{k}::{module} as {module}_of{k}\n");
+    let layer = |k: usize| if layers == 0 { String::new() } else { format!("of{k}::") };
+    let import = |k: usize| format!("#import pellucid::{}{module} as {module}_of{k}\n", layer(k));
     let function = |(name, parameters, gives): &(&str, &str, &str)| {
         let passed: Vec<_> = parameters.split(", ").filter_map(|one| one.split(':').next()).collect();
-        let call = |k: usize| format!("{{ return {module}_of{k}::{name}({}); }}\n", passed.join(", "));
-        let cases: String = (1..layers).map(|k| format!("        case {k}u: {}", call(k))).collect();
-        let choice = format!("    switch layer {{\n{cases}        default: {}    }}\n", call(0));
-        format!("fn {name}(layer: u32, {parameters}) -> {gives} {{\n{choice}}}\n")
+        let call = |k: usize| format!("return {module}_of{k}::{name}({});", passed.join(", "));
+        let cases: String = (1..layers).map(|k| format!("        case {k}u: {{ {} }}\n", call(k))).collect();
+        let choice = match layers {
+            0 => call(0),
+            _ => format!("switch layer {{\n{cases}        default: {{ {} }}\n    }}", call(0)),
+        };
+        format!("fn {name}(layer: u32, {parameters}) -> {gives} {{\n    {choice}\n}}\n")
     };
-    (0..layers).map(import).chain(functions.iter().map(function)).collect()
+    (0..layers.max(1)).map(import).chain(functions.iter().map(function)).collect()
 }
 
 /// What so many layers leave of a light on its way to a position of the world.

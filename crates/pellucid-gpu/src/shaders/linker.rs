@@ -7,7 +7,7 @@ use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescript
 use wgpu::naga::Module;
 use wgpu::naga::compact::{KeepUnused, compact};
 
-use super::instances::{across, count, each, each_hit, is_shared, text_of};
+use super::instances::{across, count, each, each_hit, each_path, is_shared, text_of};
 use super::pass::{
     APART, HITS, ISOSURFACES, LAYER, LAYERS, MERGE, SHARED, SLABS, SLICE_LAYERS, SLICE_LAYERS_PIXELS, WAYS, Wgsl,
 };
@@ -18,7 +18,7 @@ use crate::GpuError;
 /// that linking a variant takes is spent on files that it shares with others.
 #[derive(Default)]
 pub struct Linker {
-    /// The shared files with each file that a walk imports as `pellucid::mode`, or with none.
+    /// The shared files with each file that a pass imports under a name that several files go by, or with none.
     composers: HashMap<Option<&'static str>, Composer>,
     /// The files of so many layers that are followed together.
     together: HashMap<usize, Composer>,
@@ -55,7 +55,8 @@ impl Linker {
                     let files = SHARED.iter().chain(&mode).map(|file| (file.name, file.text.to_owned()));
                     // What only layers import has to be there all the same.
                     let none = std::iter::once(("across", across(0)));
-                    place.insert(composer(none.chain(files)).map_err(failed)?)
+                    let files = none.chain(files).chain([("each_path", each_path(0))]);
+                    place.insert(composer(files).map_err(failed)?)
                 }
             };
             (composer, entry)

@@ -24,6 +24,36 @@ struct Light {
     extent: Extent,
 }
 
+// What shaders are told of paths (`path_trace/numbers.rs`).
+struct Paths {
+    // Seeds; paths per pixel; most scatterings.
+    counts: vec4<u32>,
+    // Scatterings after which dim paths end at random; blocks.
+    more: vec4<u32>,
+    // The standard error that is aimed at, radius of the lens and distance in focus, both in steps; cells per
+    // block.
+    numbers: vec4<f32>,
+    // The sky from above and below; how much brighter than the mean it is above; 1 if there is one.
+    top: vec4<f32>,
+    bottom: vec4<f32>,
+    // Of a sky that is a picture: cosine and sine of its turn around z, factor of its light, one over its flux; its
+    // columns and rows, 0 of another sky.
+    picture: vec4<f32>,
+    picture_size: vec4<u32>,
+    // How far in front of its collision a surface is lit: in mean free paths, and at most in steps; how bright a path
+    // may be; 1 if there are surfaces.
+    surface: vec4<f32>,
+    // Factors of the extinction for each colour; 1 if they differ (K-13).
+    chroma: vec4<f32>,
+    // Rows of the matrix from steps of the world to voxels.
+    index_x: vec4<f32>,
+    index_y: vec4<f32>,
+    index_z: vec4<f32>,
+    // Unit vectors of the world across the view.
+    lens_right: vec4<f32>,
+    lens_up: vec4<f32>,
+}
+
 // Half-spaces that are kept, in voxels of their volume: normal and offset.
 @group(0) @binding(2) var<storage, read> planes: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> lights: array<Light>;

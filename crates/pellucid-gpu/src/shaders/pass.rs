@@ -13,7 +13,7 @@ macro_rules! wgsl {
 }
 
 /// What passes import; each only from those above it.
-pub(super) const SHARED: [Wgsl; 39] = [
+pub(super) const SHARED: &[Wgsl] = &[
     wgsl!("frame"),
     wgsl!("lists"),
     wgsl!("ray"),
@@ -49,6 +49,7 @@ pub(super) const SHARED: [Wgsl; 39] = [
     wgsl!("slab"),
     wgsl!("eye"),
     wgsl!("random"),
+    wgsl!("flight"),
     wgsl!("paths"),
     wgsl!("vertex"),
     wgsl!("extent"),
@@ -200,7 +201,7 @@ impl Pass {
         matches!(self, HalfAngleLight | HalfAnglePresence | HalfAngleEye | HalfAngleSurface | LightPoints)
     }
 
-    /// Whether it follows paths of light, or what they brought.
+    /// Whether it follows paths of light, or looks at what they brought.
     pub(crate) fn traces(self) -> bool {
         matches!(self, Self::PathTrace | Self::PathTracePixels)
     }
@@ -238,8 +239,8 @@ impl Pass {
             Self::HalfAngleEye => (wgsl!("half_angle_eye"), None),
             Self::HalfAngleSurface => (wgsl!("half_angle_surface"), None),
             Self::LightPoints => (wgsl!("light_points"), None),
-            Self::PathTrace => (wgsl!("path_trace"), None),
-            Self::PathTracePixels => (wgsl!("path_trace_pixels"), None),
+            Self::PathTrace => (wgsl!("path_trace"), Some(wgsl!("alone"))),
+            Self::PathTracePixels => (wgsl!("path_trace_pixels"), Some(wgsl!("sight"))),
         }
     }
 

@@ -1,77 +1,36 @@
 // A path of light for each pixel, from the eye to where its light came from: `path.rs` of the CPU backend. The pass:
 // rows of the picture, the number of the path; 1 if it is the first.
 #import pellucid::frame::{frame, bounds}
+#import pellucid::each_path::{emission, in_front, vertex_density, vertex_light, vertex_of, vertex_sample, vertex_value}
 #import pellucid::extent::{light_seen, sample_light}
-#import pellucid::light::normal_of
+#import pellucid::flight::{Aim, Vertex, FAR_AWAY}
 #import pellucid::lists::lights
 #import pellucid::march::{new_state, states, DONE, HIT}
-#import pellucid::paths::{collide, leave_along, paths, to_voxels, transmittance, Flight, FAR_AWAY}
+#import pellucid::paths::paths
 #import pellucid::random::{begin_stream, random}
-#import pellucid::ray::{beam_of, span_of}
+#import pellucid::ray::beam_of
+#import pellucid::scatter::PI
 #import pellucid::sky::{has_sky, luminance, sample_sky, sky_in}
-#import pellucid::vertex::{cloud_vertex, vertex_density, vertex_light, vertex_sample, vertex_value, Vertex}
-#import pellucid::scatter::{PI, gradient_share, scatterer_of}
-#ifdef SHADED
-#import pellucid::field::field_gradient
-#endif
+#import pellucid::surroundings::{encounter, enter, leave, left_from, meets}
 
 // Fewest paths before a pixel may be done, and paths between two looks: as in the CPU backend.
 const FEWEST: f32 = 64.0;
 const BATCH: u32 = 16u;
 const DARK: f32 = 1e-3;
 
-// A path from the eye.
-struct Beam {
-    flight: Flight,
-    forward: vec3<f32>,
-    is_there: bool,
-}
-
 // Through a random point of a pixel, and of the lens.
-fn beam(pixel: vec2<u32>) -> Beam {
+fn aim_of(pixel: vec2<u32>) -> Aim {
     let at = vec2<f32>(pixel) + vec2<f32>(random(), random());
-    let ray = beam_of(at);
-    var origin = ray.origin;
-    var forward = ray.world;
+    var aim = Aim(at, vec3<f32>(0.0), beam_of(at).world);
     if paths.numbers.y > 0.0 {
         let radius = paths.numbers.y * sqrt(random());
         let turn = 2.0 * PI * random();
-        let across = (paths.lens_right.xyz * cos(turn) + paths.lens_up.xyz * sin(turn)) * radius;
+        aim.across = (paths.lens_right.xyz * cos(turn) + paths.lens_up.xyz * sin(turn)) * radius;
         // From the eye, all in steps.
-        let focus = forward * (paths.numbers.z / dot(forward, frame.world_middle.xyz));
-        let eye = origin - to_voxels(forward) * ray.to_base;
-        forward = normalize(focus - across);
-        origin = eye + to_voxels(across) + to_voxels(forward) * ray.to_base;
+        let focus = aim.forward * (paths.numbers.z / dot(aim.forward, frame.world_middle.xyz));
+        aim.forward = normalize(focus - aim.across);
     }
-    let direction = to_voxels(forward);
-    let span = span_of(origin, direction, -ray.to_base, FAR_AWAY);
-    let flight = Flight(origin + direction * span.x, direction, span.y - span.x);
-    return Beam(flight, forward, span.x < span.y);
-}
-
-// The surface at a collision, as often as the collision is one with a surface (K-11).
-fn vertex_of(p: vec3<f32>, value: f32, color: vec3<f32>, forward: vec3<f32>) -> Vertex {
-#ifdef SHADED
-    let surface = normal_of(field_gradient(p));
-#ifdef WEIGHTED
-    let share = gradient_share(surface.magnitude);
-#else
-    let share = scatterer_of(value).surface;
-#endif
-    let is_met = random() < share && surface.magnitude > 0.0;
-    let facing = -dot(surface.direction, forward);
-    if is_met && (facing >= 0.0 || frame.two_sided != 0u) && frame.material.y + frame.material.z > 0.0 {
-        let normal = select(surface.direction, -surface.direction, facing < 0.0);
-        return Vertex(vec4<f32>(color, 0.0), forward, normal, true);
-    }
-#endif
-    return cloud_vertex(p, value, forward);
-}
-
-// Where a surface is lit: in front of the matter that belongs to it, which is so many mean free paths deep.
-fn in_front(p: vec3<f32>, normal: vec3<f32>, extinction: f32) -> vec3<f32> {
-    let way = leave_along(p, normal, min(paths.surface.x / extinction, paths.surface.y));
-    return way.origin + way.direction * way.length;
+    return aim;
 }
 
 struct Light {
@@ -80,7 +39,7 @@ struct Light {
 }
 
 // Light that comes straight from a light or from the sky, of which one is asked.
-fn direct(p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
+fn direct(layer: u32, p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
     if sources == 0u {
         return Light(vec3<f32>(0.0), 0u);
     }
@@ -92,22 +51,23 @@ fn direct(p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
         let found = sample_light(chosen, p);
         direction = found.arriving.to_light;
         distance = found.distance;
-        light = vertex_light(vertex, found.arriving, lights[chosen].radiance.w != 0.0);
+        let has_highlight = lights[chosen].radiance.w != 0.0;
+        light = vertex_light(layer, vertex, direction, found.arriving.radiance, has_highlight);
         if lights[chosen].extent.kind.y != 0u {
-            light /= 1.0 + vertex_density(vertex, direction) * f32(sources) / found.density;
+            light /= 1.0 + vertex_density(layer, vertex, direction) * f32(sources) / found.density;
         }
     } else {
         let sky = sample_sky();
         direction = sky.direction;
         let density = sky.density / f32(sources);
         // The balance heuristic (Veach and Guibas 1995): the sky is found by scattering as well.
-        let share = 1.0 / (density + vertex_density(vertex, direction));
-        light = vertex_value(vertex, direction) * sky.radiance * share / f32(sources);
+        let share = 1.0 / (density + vertex_density(layer, vertex, direction));
+        light = vertex_value(layer, vertex, direction) * sky.radiance * share / f32(sources);
     }
     if all(light <= vec3<f32>(0.0)) {
         return Light(vec3<f32>(0.0), 0u);
     }
-    let left = transmittance(leave_along(p, direction, distance));
+    let left = left_from(layer, p, direction, distance);
     return Light(light * left.rgb * f32(sources), u32(left.a));
 }
 
@@ -130,25 +90,35 @@ fn lights_met(p: vec3<f32>, direction: vec3<f32>, way: f32, density: f32, source
 struct Found {
     radiance: vec3<f32>,
     looks: u32,
+    // Whether it came to any volume, and to matter there.
+    is_met: bool,
     has_collided: bool,
     // What it carries of each colour of light from behind, all of which has come through.
     passed: vec3<f32>,
 }
 
-fn follow(start: Beam) -> Found {
-    var found = Found(vec3<f32>(0.0), 0u, false, vec3<f32>(1.0));
-    var flight = start.flight;
-    var forward = start.forward;
+fn follow(aim: Aim) -> Found {
+    var found = Found(vec3<f32>(0.0), 0u, false, false, vec3<f32>(1.0));
+    var way = enter(aim);
+    if !meets(way) {
+        return found;
+    }
+    found.is_met = true;
+    var forward = aim.forward;
+    // The last collision: in which volume, and where in it.
+    var layer = 0u;
+    var p = vec3<f32>(0.0);
     var throughput = vec3<f32>(1.0);
     // Density with which the last scattering chose the direction.
     var density = 0.0;
     let sources = frame.light_count + select(0u, 1u, has_sky());
     for (var scatterings = 0u; ; scatterings += 1u) {
-        let collision = collide(flight, throughput);
+        let next = encounter(way, throughput);
+        let collision = next.collision;
         throughput = collision.carried;
         found.looks += collision.looks;
         if scatterings > 0u {
-            let met = lights_met(flight.origin, forward, collision.distance, density, sources);
+            let met = lights_met(p, forward, collision.distance, density, sources);
             found.radiance += throughput * met;
         }
         if collision.distance >= FAR_AWAY {
@@ -164,25 +134,26 @@ fn follow(start: Beam) -> Found {
         }
         found.has_collided = true;
         found.passed = vec3<f32>(0.0);
-        var p = flight.origin + flight.direction * collision.distance;
+        layer = next.layer;
+        p = next.p;
         let color = collision.matter.rgb;
-        found.radiance += throughput * color * frame.material.x;
+        found.radiance += throughput * color * emission(layer);
         if scatterings == paths.counts.w {
             return found;
         }
-        let vertex = vertex_of(p, collision.value, color, forward);
+        let vertex = vertex_of(layer, p, collision.value, color, forward);
         if vertex.is_surface && paths.surface.x > 0.0 {
-            p = in_front(p, vertex.normal, collision.matter.a);
+            p = in_front(layer, p, vertex.normal, collision.matter.a);
         }
-        let light = direct(p, vertex, sources);
+        let light = direct(layer, p, vertex, sources);
         found.radiance += throughput * light.radiance;
         found.looks += light.looks;
-        forward = vertex_sample(vertex);
-        density = vertex_density(vertex, forward);
+        forward = vertex_sample(layer, vertex);
+        density = vertex_density(layer, vertex, forward);
         if !(density > 0.0) {
             return found;
         }
-        throughput *= vertex_value(vertex, forward) / density;
+        throughput *= vertex_value(layer, vertex, forward) / density;
         let brightest = max(throughput.x, max(throughput.y, throughput.z));
         if !(brightest > 0.0) {
             return found;
@@ -193,7 +164,7 @@ fn follow(start: Beam) -> Found {
             }
             throughput /= brightest;
         }
-        flight = leave_along(p, forward, FAR_AWAY);
+        way = leave(layer, p, forward);
     }
     return found;
 }
@@ -217,12 +188,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let pixel = id.xy + vec2<u32>(frame.size.y, bounds.rows.first);
     begin_stream(paths.counts.xy, pixel.y * 65536u + pixel.x, path);
-    let start = beam(pixel);
-    var found = Found(vec3<f32>(0.0), 0u, false, vec3<f32>(1.0));
-    if start.is_there {
+    var found = follow(aim_of(pixel));
+    if found.is_met {
         state.counts.w |= HIT;
         state.counts.z += 1u;
-        found = follow(start);
     }
     // Held back in its own colour, as the CPU backend does.
     let held = paths.surface.z / max(luminance(found.radiance), 1e-30);

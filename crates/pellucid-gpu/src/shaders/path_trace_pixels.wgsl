@@ -1,12 +1,10 @@
 // From paths to pixels: their mean, its standard error, the depth at which half of a ray's light has collided, and the
 // normal there.
 #import pellucid::frame::{frame, bounds}
-#import pellucid::field::{field_gradient, field_value}
-#import pellucid::light::normal_of
 #import pellucid::march::{states, HIT, NOWHERE}
 #import pellucid::pixel::{Pixel, pixels}
-#import pellucid::ray::{ray_at, ray_of, sample_of}
-#import pellucid::paths::{matter_at, paths}
+#import pellucid::paths::paths
+#import pellucid::sight::{depth_of, distance_of, normal_in, sight_of, steps_of}
 
 // A unit vector as a point of the square from -1 to 1 (the octahedron, folded open: Cigolle et al. 2014); beyond it
 // where there is none.
@@ -31,18 +29,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var depth = NOWHERE;
     var normal = vec2<f32>(2.0);
     if state.color.a >= 0.5 * count {
-        let ray = ray_of(id.xy + vec2<u32>(frame.size.y, bounds.rows.first), 0u);
+        let sight = sight_of(id.xy + vec2<u32>(frame.size.y, bounds.rows.first));
+        let steps = steps_of(sight);
         var thickness = 0.0;
-        for (var k = 0.0; k < ray.count; k += 1.0) {
-            let sample = sample_of(ray, k);
-            let p = ray_at(ray, sample.distance);
-            thickness += matter_at(p, field_value(p)).a * sample.ratio;
+        for (var k = 0.0; k < steps; k += 1.0) {
+            thickness += depth_of(sight, k);
             // What is left of white light.
             if dot(exp(-paths.chroma.rgb * thickness), vec3<f32>(1.0 / 3.0)) <= 0.5 {
-                depth = (ray.entry + sample.distance) * frame.picture.w;
-                if paths.surface.w != 0.0 {
-                    normal = packed_normal(normal_of(field_gradient(p)).direction);
-                }
+                depth = distance_of(sight, k) * frame.picture.w;
+                normal = packed_normal(normal_in(sight, k));
                 break;
             }
         }

@@ -3,42 +3,15 @@
 #define_import_path pellucid::paths
 
 #import pellucid::frame::frame
-#import pellucid::ray::{exit_of, nonzeros}
+#import pellucid::flight::{Aim, Collision, Flight, Part, FAR_AWAY}
+#import pellucid::lists::Paths
+#import pellucid::ray::{beam_of, exit_of, nonzeros, span_of}
 #import pellucid::field::field_value
 #import pellucid::random::{random, random_depth}
 #import pellucid::table::classify
 #ifdef PERTURBED
 #import pellucid::noise::{variation_at, varied_color, varied_extinction}
 #endif
-
-struct Paths {
-    // Seeds; paths per pixel; most scatterings.
-    counts: vec4<u32>,
-    // Scatterings after which dim paths end at random; blocks.
-    more: vec4<u32>,
-    // The standard error that is aimed at, radius of the lens and distance in focus, both in steps; cells per
-    // block.
-    numbers: vec4<f32>,
-    // The sky from above and below; how much brighter than the mean it is above; 1 if there is one.
-    top: vec4<f32>,
-    bottom: vec4<f32>,
-    // Of a sky that is a picture: cosine and sine of its turn around z, factor of its light, one over its flux; its
-    // columns and rows, 0 of another sky.
-    picture: vec4<f32>,
-    picture_size: vec4<u32>,
-    // How far in front of its collision a surface is lit: in mean free paths, and at most in steps; how bright a path
-    // may be; 1 if there are surfaces.
-    surface: vec4<f32>,
-    // Factors of the extinction for each colour; 1 if they differ (K-13).
-    chroma: vec4<f32>,
-    // Rows of the matrix from steps of the world to voxels.
-    index_x: vec4<f32>,
-    index_y: vec4<f32>,
-    index_z: vec4<f32>,
-    // Unit vectors of the world across the view.
-    lens_right: vec4<f32>,
-    lens_up: vec4<f32>,
-}
 
 #ifdef STORED_CONSTANTS
 @group(0) @binding(19) var<storage, read> paths: Paths;
@@ -47,26 +20,6 @@ struct Paths {
 #endif
 // The largest extinction of every block, and how many blocks away the next one is where there is some.
 @group(0) @binding(20) var majorants: texture_3d<f32>;
-
-const FAR_AWAY: f32 = 1e30;
-
-// A straight way through the medium, in voxels per step.
-struct Flight {
-    origin: vec3<f32>,
-    direction: vec3<f32>,
-    length: f32,
-}
-
-struct Collision {
-    // Steps from the flight's origin; FAR_AWAY if there is none.
-    distance: f32,
-    value: f32,
-    // Colour, and extinction per step.
-    matter: vec4<f32>,
-    // What the path carries after it.
-    carried: vec3<f32>,
-    looks: u32,
-}
 
 // A direction of the world in voxels per step.
 fn to_voxels(v: vec3<f32>) -> vec3<f32> {
@@ -77,6 +30,30 @@ fn to_voxels(v: vec3<f32>) -> vec3<f32> {
 fn leave_along(origin: vec3<f32>, forward: vec3<f32>, most: f32) -> Flight {
     let direction = to_voxels(forward);
     return Flight(origin, direction, min(exit_of(origin, direction), most));
+}
+
+// What of a line, from a distance on, is in the volume.
+fn part_of(origin: vec3<f32>, direction: vec3<f32>, from_t: f32) -> Part {
+    let span = span_of(origin, direction, from_t, FAR_AWAY);
+    return Part(Flight(origin + direction * span.x, direction, span.y - span.x), span.x);
+}
+
+// What of a ray from the eye is in the volume: from the plane on that rays count from.
+fn part_ahead(aim: Aim) -> Part {
+    let ray = beam_of(aim.at);
+    var origin = ray.origin;
+    if paths.numbers.y > 0.0 {
+        // From the eye, all in steps.
+        let eye = origin - to_voxels(ray.world) * ray.to_base;
+        origin = eye + to_voxels(aim.across) + to_voxels(aim.forward) * ray.to_base;
+    }
+    return part_of(origin, to_voxels(aim.forward), -ray.to_base);
+}
+
+// Where a surface is lit: in front of the matter that belongs to it, which is so many mean free paths deep.
+fn in_front(p: vec3<f32>, normal: vec3<f32>, extinction: f32) -> vec3<f32> {
+    let way = leave_along(p, normal, min(paths.surface.x / extinction, paths.surface.y));
+    return way.origin + way.direction * way.length;
 }
 
 // A walk from block to block (Amanatides and Woo 1987).

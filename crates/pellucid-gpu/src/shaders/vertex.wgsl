@@ -3,22 +3,19 @@
 #define_import_path pellucid::vertex
 
 #import pellucid::frame::frame
-#import pellucid::light::{Incident, normalized}
+#import pellucid::flight::Vertex
+#import pellucid::light::normalized
 #import pellucid::random::random
 #import pellucid::table::node_of
 #ifdef PERTURBED
 #import pellucid::noise::{variation_at, varied_color}
 #endif
 #import pellucid::scatter::{PI, entry, scatterer_of, phase_value, phase_weight, phase_density, phase_cosine}
-
-struct Vertex {
-    // Scattering albedo, or the surface's colour; the anisotropy.
-    color: vec4<f32>,
-    // The way the path goes, away from the eye; the surface's normal on the eye's side.
-    forward: vec3<f32>,
-    normal: vec3<f32>,
-    is_surface: bool,
-}
+#ifdef SHADED
+#import pellucid::field::field_gradient
+#import pellucid::light::normal_of
+#import pellucid::scatter::gradient_share
+#endif
 
 // The unit vector at an angle of cosine `mu` from the unit vector `axis`, a share `turn` of a full turn around it.
 fn turned(axis: vec3<f32>, mu: f32, turn: f32) -> vec3<f32> {
@@ -47,6 +44,30 @@ fn cloud_vertex(p: vec3<f32>, value: f32, forward: vec3<f32>) -> Vertex {
     }
 #endif
     return Vertex(vec4<f32>(albedo, scatterer_of(value).g), forward, vec3<f32>(0.0), false);
+}
+
+// The surface at a collision, as often as the collision is one with a surface (K-11).
+fn vertex_of(p: vec3<f32>, value: f32, color: vec3<f32>, forward: vec3<f32>) -> Vertex {
+#ifdef SHADED
+    let surface = normal_of(field_gradient(p));
+#ifdef WEIGHTED
+    let share = gradient_share(surface.magnitude);
+#else
+    let share = scatterer_of(value).surface;
+#endif
+    let is_met = random() < share && surface.magnitude > 0.0;
+    let facing = -dot(surface.direction, forward);
+    if is_met && (facing >= 0.0 || frame.two_sided != 0u) && frame.material.y + frame.material.z > 0.0 {
+        let normal = select(surface.direction, -surface.direction, facing < 0.0);
+        return Vertex(vec4<f32>(color, 0.0), forward, normal, true);
+    }
+#endif
+    return cloud_vertex(p, value, forward);
+}
+
+// What of its colour the matter shines by itself.
+fn emission() -> f32 {
+    return frame.material.x;
 }
 
 // The share of a surface's light that is diffuse, as samples are taken.
@@ -116,9 +137,9 @@ fn vertex_sample(vertex: Vertex) -> vec3<f32> {
 }
 
 // What goes to the eye of a light of no extent.
-fn vertex_light(vertex: Vertex, light: Incident, has_highlight: bool) -> vec3<f32> {
+fn vertex_light(vertex: Vertex, to_light: vec3<f32>, radiance: vec3<f32>, has_highlight: bool) -> vec3<f32> {
     if vertex.is_surface {
-        return reflected(vertex, light.to_light, has_highlight) * light.radiance;
+        return reflected(vertex, to_light, has_highlight) * radiance;
     }
-    return phase_weight(vertex.color.a, dot(vertex.forward, light.to_light)) * vertex.color.rgb * light.radiance;
+    return phase_weight(vertex.color.a, dot(vertex.forward, to_light)) * vertex.color.rgb * radiance;
 }
