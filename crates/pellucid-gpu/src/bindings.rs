@@ -38,6 +38,8 @@ pub struct Bindings<'a> {
     sampler: Option<Sampler>,
     /// What is left of lights where samples may be in shadow; a single point where rays are cast.
     points: Option<TextureView>,
+    /// Bounds of the extinction, for paths.
+    majorants: Option<TextureView>,
     /// Frame, planes, lights.
     parts: [Buffer; 3],
 }
@@ -93,7 +95,8 @@ impl<'a> Bindings<'a> {
             frame.set_blocks(blocks.dims, blocks.size);
         }
         alter(&mut frame);
-        let lights: Vec<Light> = stage.lights.iter().map(|light| Light::new(light, &volume.scattering)).collect();
+        let light = |light| Light::new(light, stage.volumes.iter().any(|volume| volume.scattering.meets(light)));
+        let lights: Vec<Light> = stage.lights.iter().map(light).collect();
         let parts = [
             device.constant_buffer("frame", bytes_of(&frame)),
             storage(device, "planes", &uniforms::planes(&region, grid)),
@@ -109,6 +112,7 @@ impl<'a> Bindings<'a> {
             kernels: kernels.map(|kernels| device.constant_buffer("kernels", cast_slice(&kernels.to_fours()))),
             sampler: variant.canonical().hardware.then(|| sampler(device)),
             points: variant.shadowed.then(|| one_point(device)),
+            majorants: None,
             parts,
         }
     }
@@ -121,6 +125,11 @@ impl<'a> Bindings<'a> {
             self.points = points;
         }
         self
+    }
+
+    /// The same with bounds of the extinction.
+    pub fn with_majorants(self, majorants: Option<TextureView>) -> Self {
+        Self { majorants, ..self }
     }
 
     /// Whether the filter is not linear, or the gradient not of central differences.
@@ -140,7 +149,8 @@ impl<'a> Bindings<'a> {
         let all = [("frame", frame), ("planes", planes), ("lights", lights), ("levels", levels)];
         let all = all.map(|(name, buffer)| (name, buffer.as_entire_binding()));
         let more = [("bounds", bounds.binding()), ("blue_noise", BindingResource::TextureView(blue_noise))];
-        all.into_iter().chain(more).collect()
+        let majorants = self.majorants.iter().map(|majorants| ("majorants", BindingResource::TextureView(majorants)));
+        all.into_iter().chain(more).chain(majorants).collect()
     }
 
     /// Entries, planes and lights: what all volumes of a pass have in lists that they share.

@@ -2,7 +2,7 @@
 
 use crate::four::Four;
 use bytemuck::{Pod, Zeroable};
-use pellucid_optics::{Extent as Shape, LightShape, ResolvedLight, Scattering};
+use pellucid_optics::{Extent as Shape, LightShape, ResolvedLight};
 
 /// What an extent is, for shaders: nothing around a point.
 const DISC: u32 = 1;
@@ -31,11 +31,11 @@ pub struct Extent {
 }
 
 impl Light {
-    /// Of a light, as paths find it that this medium scatters.
-    pub fn new(light: &ResolvedLight, scattering: &Scattering) -> Self {
+    /// Of a light, which scattered paths find as well if it `is_met`.
+    pub fn new(light: &ResolvedLight, is_met: bool) -> Self {
         let [r, g, b] = light.radiance();
         let radiance = [r, g, b, f32::from(u8::from(light.is_specular()))];
-        let extent = Extent::new(light, scattering);
+        let extent = Extent::new(light, is_met);
         match light.shape() {
             LightShape::Directional { to_light } => {
                 Self { place: to_light.extend(0.0).to_array(), radiance, extent, ..Self::default() }
@@ -51,8 +51,8 @@ impl Light {
 }
 
 impl Extent {
-    fn new(light: &ResolvedLight, scattering: &Scattering) -> Self {
-        let is_met = u32::from(scattering.meets(light));
+    fn new(light: &ResolvedLight, is_met: bool) -> Self {
+        let is_met = u32::from(is_met);
         let round = |kind, size| Self { kind: [kind, is_met, 0, 0], normal: [0.0, 0.0, 0.0, size], ..Self::default() };
         match light.extent() {
             Shape::Point => Self::default(),

@@ -220,7 +220,9 @@ impl GpuRenderer {
         let sky = stage.path_trace().map(|settings| settings.environment.resolve()).transpose()?.flatten();
         let (mut volumes, mut used) = (Vec::with_capacity(stage.volumes.len()), 0);
         for number in merge_order(stage) {
-            let prepared = self.prepare_volume(stage, number, sky.as_ref(), self.budget.saturating_sub(used))?;
+            // All volumes are under one sky.
+            let sky = sky.as_ref().filter(|_| volumes.is_empty());
+            let prepared = self.prepare_volume(stage, number, sky, self.budget.saturating_sub(used))?;
             used = used.saturating_add(prepared.plan.kept());
             volumes.push(prepared);
         }
@@ -297,11 +299,14 @@ impl GpuRenderer {
         let target = (&mut self.targets, self.timer.as_ref());
         let drawing = match &stage.technique {
             Technique::PathTrace(settings) => {
-                let Drawn { volume, resident, optics, uploads } = only(drawn)?;
-                let majorants = self.cache.majorants(stage, 0, &tables[0], settings.majorants)?;
-                let (what, optics) = ((stage, volume, settings), (optics, uploads, &*majorants));
-                let sky = (sky.as_ref(), &mut self.paths);
-                let tracer = PathTracer::new(device, &mut self.pipelines, resident, what, optics, sky, self.drawing);
+                let majorants = merge_order(stage)
+                    .into_iter()
+                    .zip(&tables)
+                    .map(|(number, tables)| self.cache.majorants(stage, number, tables, settings.majorants));
+                let majorants = majorants.collect::<Result<Vec<_>, _>>()?;
+                let (what, sky) = ((stage, settings), (sky.as_ref(), &mut self.paths));
+                let volumes = (drawn, &*majorants);
+                let tracer = PathTracer::new(device, &mut self.pipelines, what, volumes, sky, self.drawing);
                 let (mut tracer, drawing) = (tracer?, Instant::now());
                 tracer.draw(&mut self.paths, target.0, control, frame)?;
                 if settings.denoise {
@@ -386,6 +391,7 @@ fn lacks_of_layers(stage: &Stage) -> Option<String> {
         }
         (Technique::RayCast(_), _) => None,
         (Technique::Slicing(_), _) if stage.technique.needs().several_volumes => None,
+        (Technique::PathTrace(_), _) => lacks_of_paths(stage),
         _ => Some(format!("{count} volumes in one picture by {name}")),
     }
 }

@@ -1,7 +1,7 @@
 //! What shaders are told of a frame: the structures of `frame.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 use pellucid_field::Grid;
 use pellucid_optics::{Material, Nodes};
 use pellucid_plan::{Merging, blue_noise_shift};
@@ -174,9 +174,9 @@ impl Frame {
     fn set_grid(&mut self, grid: &Grid) {
         let (low, high) = grid.index_bounds();
         (self.low, self.high) = (four(low, 0.0), four(high, 0.0));
-        [self.gradient_x, self.gradient_y, self.gradient_z] = rows(grid.world_from_index_gradient(), DVec3::ZERO);
-        let world = grid.world_from_index();
-        [self.world_x, self.world_y, self.world_z] = rows(world.matrix3, world.translation);
+        [self.gradient_x, self.gradient_y, self.gradient_z] =
+            rows(DAffine3 { matrix3: grid.world_from_index_gradient(), translation: DVec3::ZERO });
+        [self.world_x, self.world_y, self.world_z] = rows(grid.world_from_index());
         let [x, y, z] = grid.dims().map(|n| n as u32);
         self.dims = [x, y, z, 0];
     }
@@ -252,9 +252,10 @@ pub fn four(v: DVec3, w: f64) -> Four {
     v.extend(w).as_vec4().to_array()
 }
 
-fn rows(matrix: DMat3, last: DVec3) -> [Four; 3] {
-    let matrix = matrix.transpose();
-    [four(matrix.x_axis, last.x), four(matrix.y_axis, last.y), four(matrix.z_axis, last.z)]
+/// The rows of a matrix.
+pub fn rows(DAffine3 { matrix3, translation }: DAffine3) -> [Four; 3] {
+    let matrix = matrix3.transpose();
+    [four(matrix.x_axis, translation.x), four(matrix.y_axis, translation.y), four(matrix.z_axis, translation.z)]
 }
 
 #[cfg(test)]
@@ -323,7 +324,7 @@ mod tests {
         assert_eq!(layout(&light, "Bounds"), fields!(LightBounds: low high tap slab));
         let points = linked(Variant::of(shaders::Pass::LightPoints).canonical());
         assert_eq!(layout(&points, "Bounds"), fields!(PointBounds: run size first));
-        let paths = fields!(Paths: counts more numbers top bottom picture picture_size surface chroma index_x index_y index_z lens_right lens_up);
+        let paths = fields!(Paths: counts more numbers top bottom picture picture_size surface chroma index_x index_y index_z lens_right lens_up first_x first_y first_z own_x own_y own_z);
         let trace = linked(Variant::of(shaders::Pass::PathTrace).canonical());
         assert_eq!(layout(&trace, "Paths"), paths);
         assert_eq!(layout(&trace, "Bounds"), fields!(PathBounds: rows));

@@ -77,7 +77,7 @@ impl Sweep {
         let turn = TAU / f64::from(taps::count(settings).max(1));
         sweep.taps = [turn.cos() as f32, turn.sin() as f32, 1.0 / sides[0] as f32, 1.0 / sides[1] as f32];
         sweep.size = [frame.size[0], frame.size[1], slabs.count, 0].map(|n| n as u32);
-        sweep.light = Light::new(light, &volume.scattering);
+        sweep.light = Light::new(light, volume.scattering.meets(light));
         let gate = match settings.in_scatter {
             InScatter::Indirect | InScatter::Direct => 0,
             InScatter::DirectFromMatter => 1,

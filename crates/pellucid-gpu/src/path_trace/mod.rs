@@ -4,27 +4,29 @@
 mod numbers;
 mod sky;
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use bytemuck::{bytes_of, cast_slice};
 use glam::Vec3;
 use pellucid_optics::{Material, Sky};
 use pellucid_plan::MajorantGrid;
-use pellucid_scene::{Control, Frame as Picture, PathTrace, Stage, StageVolume};
+use pellucid_scene::{Control, Frame as Picture, PathTrace, Stage};
 use wgpu::{BindingResource, Buffer, CommandEncoder, CommandEncoderDescriptor, TextureFormat, TextureView};
 
 use crate::bindings::Bindings;
 use crate::bounds::{BoundsBuffer, PathBounds, Rows};
+use crate::dispatch::dispatch;
 use crate::drawing::Drawing;
-use crate::optics::Optics;
+use crate::on_device::Drawn;
 use crate::pace::Pace;
+use crate::pass_volumes::PassVolumes;
 use crate::pipelines::{Pipeline, Pipelines};
-use crate::resident::Resident;
 use crate::shaders::{Pass, Variant};
 use crate::targets::Targets;
 use crate::texture;
 use crate::uniforms;
-use crate::uploads::Uploads;
+use crate::uploads::storage;
 use crate::window::Window;
 use crate::{Device, GpuError};
 
@@ -55,50 +57,46 @@ impl KeptPaths {
 /// Everything on the device that one frame is drawn with.
 pub struct PathTracer<'a> {
     device: &'a Device,
-    resident: &'a mut Resident,
-    bindings: Bindings<'a>,
+    volumes: PassVolumes<'a>,
     settings: &'a PathTrace,
+    /// What shaders are told of paths: of each volume, if they are several.
     numbers: Buffer,
-    majorants: TextureView,
     sky: TextureView,
     trace: Pipeline,
     pixels: Pipeline,
 }
 
 impl<'a> PathTracer<'a> {
-    /// Makes pipelines and what changes with camera and light.
+    /// Makes pipelines and what changes with camera and light; of each volume, with bounds of its extinction.
     ///
     /// # Errors
-    /// What the device reports.
+    /// What the device reports; [`GpuError::Volumes`] if a pass cannot be given as many volumes.
     pub fn new(
         device: &'a Device,
         pipelines: &mut Pipelines,
-        resident: &'a mut Resident,
-        (stage, volume, settings): (&Stage, &StageVolume, &'a PathTrace),
-        (optics, uploads, majorants): (&Optics, &'a Uploads, &MajorantGrid),
+        (stage, settings): (&Stage, &'a PathTrace),
+        (drawn, majorants): (Vec<Drawn<'a, '_>>, &[Arc<MajorantGrid>]),
         (sky, kept): (Option<&Sky>, &mut KeptPaths),
         drawing: Drawing,
     ) -> Result<Self, GpuError> {
-        let alter = |frame: &mut uniforms::Frame| {
-            // Ambient light is what paths find out, and what has no material does not shine by itself.
-            let material = volume.material.unwrap_or(Material { emission: 0.0, ..Material::default() });
-            frame.set_material(&material, 0.0);
-            // Paths are spread over each pixel anyway.
-            frame.picture[0] = stage.viewpoint.width as f32 / 2.0;
-            frame.picture[1] = stage.viewpoint.height as f32 / 2.0;
-            (frame.size[2], frame.jitter[2]) = (1, 0);
+        let numbers = |(volume, majorants): (&Drawn, &Arc<MajorantGrid>)| {
+            Paths::new(stage, [drawn[0].volume, volume.volume], settings, majorants, sky)
         };
-        let bindings =
-            Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter);
-        let trace = pipelines.get(device, Variant { pass: Pass::PathTrace, ..bindings.variant })?.clone();
+        let numbers: Vec<Paths> = drawn.iter().zip(majorants).map(numbers).collect();
+        let numbers = match &*numbers {
+            [one] => device.constant_buffer("paths", bytes_of(one)),
+            several => storage(device, "paths", several),
+        };
+        let mut majorants = majorants.iter();
+        let volumes = PassVolumes::new(device, drawn, |drawn, lists| {
+            let majorants = majorants.next().map(|majorants| texels(device, stage, majorants));
+            bindings(device, stage, drawn, drawing, lists).with_majorants(majorants)
+        });
+        let variants = |pass| volumes.variants().map(move |variant| Variant { pass, ..variant }).collect();
+        let trace = pipelines.of_layers(device, variants(Pass::PathTrace))?.clone();
         let chromatic = stage.holds_back_each_color();
-        let pixels = Variant { pass: Pass::PathTracePixels, chromatic, ..bindings.variant };
-        let pixels = pipelines.get(device, pixels)?.clone();
-        let numbers = Paths::new(stage, volume, settings, majorants, sky);
-        let number = |(block, &[_, most]): (usize, &[f32; 2])| {
-            [most * stage.step as f32, f32::from(majorants.leaps.distance(block))]
-        };
-        let blocks: Vec<[f32; 2]> = majorants.bounds.iter().enumerate().map(number).collect();
+        let pixels = volumes.variants().map(|variant| Variant { pass: Pass::PathTracePixels, chromatic, ..variant });
+        let pixels = pipelines.of_layers(device, pixels.collect())?.clone();
         if let Some(Sky::Image { map, .. }) = sky {
             kept.sky.get_or_insert_with(|| UploadedSky::new(device, map));
         }
@@ -106,18 +104,7 @@ impl<'a> PathTracer<'a> {
             Some(sky) => sky.texels.clone(),
             None => texture::flat(device, "sky", TextureFormat::Rgba32Float, [1; 2], &[0; 16]),
         };
-        let dims = majorants.leaps.dims();
-        Ok(Self {
-            numbers: device.constant_buffer("paths", bytes_of(&numbers)),
-            majorants: texture::solid(device, "majorants", TextureFormat::Rg32Float, dims, cast_slice(&blocks)),
-            sky,
-            device,
-            resident,
-            bindings,
-            settings,
-            trace,
-            pixels,
-        })
+        Ok(Self { device, volumes, settings, numbers, sky, trace, pixels })
     }
 
     /// Draws all bands into a picture of the stage's size.
@@ -131,11 +118,11 @@ impl<'a> PathTracer<'a> {
         control: &Control,
         picture: &mut Picture,
     ) -> Result<(), GpuError> {
-        let Window { low: [column, first], size: [width, height] } = self.bindings.window;
+        let Window { low: [column, first], size: [width, height] } = self.volumes.first().bindings.window;
         let (mut row, end) = (first, if width == 0 { first } else { first + height });
         let mut paths = 0;
         while row < end {
-            let rows = self.resident.plan.rows.min(end - row);
+            let rows = self.volumes.most_rows().min(end - row);
             let targets = {
                 let shape = (picture.width, self.pixels.variant.chromatic);
                 Targets::kept(slot, self.device, shape, [width, rows])
@@ -166,15 +153,15 @@ impl<'a> PathTracer<'a> {
         control: &Control,
         report: &dyn Fn(f64),
     ) -> Result<(), GpuError> {
-        let brick = self.resident.bricks[0];
-        let views = self.resident.textures(self.device, &brick, control)?;
         let states = ("states", targets.states());
-        let sees = [
-            states.clone(),
-            ("paths", self.numbers.as_entire_binding()),
-            ("majorants", BindingResource::TextureView(&self.majorants)),
-            ("sky", BindingResource::TextureView(&self.sky)),
-        ];
+        let numbers = ("paths", self.numbers.as_entire_binding());
+        let sees = [states.clone(), numbers.clone(), ("sky", BindingResource::TextureView(&self.sky))];
+        let brick = self.volumes.first().resident.bricks[0];
+        let [trace, pixels] = [&self.trace, &self.pixels].map(|Pipeline { groups, .. }| {
+            let volume = self.volumes.volume_group(groups, &brick, control)?;
+            Ok::<_, GpuError>([volume, self.volumes.table_group(groups)])
+        });
+        let (trace, pixels) = (trace?, pixels?);
         let size = [targets.width, rows, 1];
         let mut path = 0;
         while path < self.settings.samples {
@@ -185,11 +172,12 @@ impl<'a> PathTracer<'a> {
             path = some.end;
             let pass = |path| PathBounds { rows: Rows { begin: u32::from(path == 0), ..Rows::of([row, rows, path]) } };
             let passes = BoundsBuffer::new(self.device, some.clone().map(pass));
-            let trace = self.bindings.bound(&self.trace, &passes, &sees, &views);
+            let frame = self.volumes.frame_group(&self.trace.groups, &passes, &sees);
             let started = Instant::now();
             let mut encoder = self.encoder();
             for number in 0..some.len() {
-                trace.dispatch(&mut encoder, passes.offset(number), size, None);
+                let groups = [Some(&frame), Some(&trace[0]), Some(&trace[1])];
+                dispatch(&mut encoder, &self.trace.pipeline, groups, passes.offset(number), size, None);
             }
             self.device.queue.submit([encoder.finish()]);
             self.device.wait()?;
@@ -197,11 +185,11 @@ impl<'a> PathTracer<'a> {
             report(f64::from(path) / f64::from(self.settings.samples));
         }
         let passes = BoundsBuffer::new(self.device, [PathBounds { rows: Rows::of([row, rows, 0]) }]);
-        let pixels = ("pixels", targets.pixels.as_entire_binding());
-        let numbers = ("paths", self.numbers.as_entire_binding());
-        let bound = self.bindings.bound(&self.pixels, &passes, &[states, pixels, numbers], &views);
+        let own = [states, numbers, ("pixels", targets.pixels.as_entire_binding())];
+        let frame = self.volumes.frame_group(&self.pixels.groups, &passes, &own);
+        let groups = [Some(&frame), Some(&pixels[0]), Some(&pixels[1])];
         let mut encoder = self.encoder();
-        bound.dispatch(&mut encoder, 0, size, None);
+        dispatch(&mut encoder, &self.pixels.pipeline, groups, 0, size, None);
         targets.copy(&mut encoder, rows);
         self.device.queue.submit([encoder.finish()]);
         Ok(())
@@ -210,6 +198,37 @@ impl<'a> PathTracer<'a> {
     fn encoder(&self) -> CommandEncoder {
         self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("paths") })
     }
+}
+
+/// What shaders are told of a volume whose lists lie where `lists` says.
+fn bindings<'a>(
+    device: &'a Device,
+    stage: &Stage,
+    Drawn { volume, resident, optics, uploads }: &Drawn<'a, '_>,
+    drawing: Drawing,
+    lists: [u32; 4],
+) -> Bindings<'a> {
+    let alter = |frame: &mut uniforms::Frame| {
+        // Ambient light is what paths find out, and what has no material does not shine by itself.
+        let material = volume.material.unwrap_or(Material { emission: 0.0, ..Material::default() });
+        frame.set_material(&material, 0.0);
+        // Paths are spread over each pixel anyway.
+        frame.picture[0] = stage.viewpoint.width as f32 / 2.0;
+        frame.picture[1] = stage.viewpoint.height as f32 / 2.0;
+        (frame.size[2], frame.jitter[2]) = (1, 0);
+        frame.lists = lists;
+    };
+    Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter)
+}
+
+/// Majorants per step, and how many blocks away the next one is where there is some.
+fn texels(device: &Device, stage: &Stage, majorants: &MajorantGrid) -> TextureView {
+    let number = |(block, &[_, most]): (usize, &[f32; 2])| {
+        [most * stage.step as f32, f32::from(majorants.leaps.distance(block))]
+    };
+    let blocks: Vec<[f32; 2]> = majorants.bounds.iter().enumerate().map(number).collect();
+    let dims = majorants.leaps.dims();
+    texture::solid(device, "majorants", TextureFormat::Rg32Float, dims, cast_slice(&blocks))
 }
 
 /// A unit vector from its point on the unfolded octahedron, as `path_trace_pixels.wgsl` makes it; zero if it is beyond.

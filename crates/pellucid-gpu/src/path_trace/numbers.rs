@@ -1,13 +1,13 @@
 //! What shaders are told of paths: the structure of `lists.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use pellucid_optics::Sky;
 use pellucid_plan::MajorantGrid;
 use pellucid_scene::{Jitter, PathTrace, Stage, StageVolume};
 
 use crate::four::Four;
-use crate::uniforms::four;
+use crate::uniforms::{four, rows};
 
 /// The settings of paths, in steps.
 #[repr(C)]
@@ -27,19 +27,26 @@ pub struct Paths {
     pub index_z: Four,
     pub lens_right: Four,
     pub lens_up: Four,
+    pub first_x: Four,
+    pub first_y: Four,
+    pub first_z: Four,
+    pub own_x: Four,
+    pub own_y: Four,
+    pub own_z: Four,
 }
 
 impl Paths {
-    /// Of a stage that looks at a volume.
+    /// Of a stage that looks at a volume, which is the first of those that are drawn, or another one.
     pub fn new(
         stage: &Stage,
-        volume: &StageVolume,
+        [first, volume]: [&StageVolume; 2],
         settings: &PathTrace,
         majorants: &MajorantGrid,
         sky: Option<&Sky>,
     ) -> Self {
         let (view, grid) = (&stage.viewpoint, volume.volume.grid());
-        let chroma = volume.scattering.extinction_factors();
+        // Colours of several volumes are lost alike.
+        let chroma = volume.scattering.extinction_factors().filter(|_| !stage.has_layers());
         let frames = match stage.quality.jitter {
             Jitter::Centered => 0,
             // Frames to be averaged differ by it.
@@ -50,8 +57,11 @@ impl Paths {
         let in_steps = |length: f64| (length / stage.step) as f32;
         // A single block is as large as anything.
         let size = majorants.size.min(1e9);
-        let rows = grid.index_from_world().matrix3.transpose() * stage.step;
-        let [index_x, index_y, index_z] = [rows.x_axis, rows.y_axis, rows.z_axis].map(|row: DVec3| four(row, 0.0));
+        let steps = DAffine3 { translation: DVec3::ZERO, matrix3: grid.index_from_world().matrix3 * stage.step };
+        let [index_x, index_y, index_z] = rows(steps);
+        let first = first.volume.grid();
+        let [first_x, first_y, first_z] = rows(first.index_from_world() * grid.world_from_index());
+        let [own_x, own_y, own_z] = rows(grid.index_from_world() * first.world_from_index());
         let mut paths = Self {
             counts: [settings.seed, frames, settings.samples, settings.bounces],
             more: [settings.roulette, x, y, z],
@@ -69,6 +79,12 @@ impl Paths {
             index_z,
             lens_right: four(view.right, 0.0),
             lens_up: four(view.up, 0.0),
+            first_x,
+            first_y,
+            first_z,
+            own_x,
+            own_y,
+            own_z,
             ..Self::default()
         };
         if let Some(sky) = sky {

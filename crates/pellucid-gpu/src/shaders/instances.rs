@@ -3,7 +3,24 @@
 use std::borrow::Cow;
 
 /// Modules that all layers share; of every other one each layer has its own, as `pellucid::of0::field`.
-const SHARED: [&str; 10] = ["lists", "way", "cursor", "across", "count", "each", "each_hit", "merge", "ways", "slabs"];
+const SHARED: [&str; 16] = [
+    "lists",
+    "way",
+    "cursor",
+    "across",
+    "count",
+    "each",
+    "each_hit",
+    "merge",
+    "ways",
+    "slabs",
+    "random",
+    "flight",
+    "each_path",
+    "every",
+    "surroundings",
+    "sight",
+];
 
 /// Flags that say the same of all layers.
 const COMMON: [&str; 5] = ["LAYERED", "APART", "STORED_CONSTANTS", "LOADED_CONSTANTS", "WAVEFRONT"];
@@ -103,10 +120,56 @@ pub fn each_path(layers: usize) -> String {
         ("vertex_light", "vertex: Vertex, to_light: vec3<f32>, radiance: vec3<f32>, has_highlight: bool", "vec3<f32>"),
         ("emission", "", "f32"),
     ];
-    let at_places = [("in_front", "p: vec3<f32>, normal: vec3<f32>, extinction: f32", "vec3<f32>")];
+    let at_places = [
+        ("in_first", "p: vec3<f32>", "vec3<f32>"),
+        ("in_front", "p: vec3<f32>, normal: vec3<f32>, extinction: f32", "vec3<f32>"),
+    ];
+    let load = |k: usize| format!("    paths_of{k}::load_paths({k}u);\n");
+    let load: String = (0..layers.max(1)).map(load).collect();
     "#define_import_path pellucid::each_path\n#import pellucid::flight::Vertex\n".to_owned()
         + &choices(layers, "paths", &at_places)
         + &choices(layers, "vertex", &at_vertices)
+        + &format!("fn load() {{\n{load}}}\n")
+}
+
+/// What all of so many layers make of ways of paths: each its part, or one after the other more of what there was.
+pub fn every(layers: usize) -> String {
+    let gathered = [
+        ("parts_ahead", "aim: Aim", "part_ahead(aim)"),
+        ("parts_from", "first: vec3<f32>, forward: vec3<f32>", "part_from(first, forward)"),
+    ];
+    // The number of a layer stands where `#` is.
+    let folded = [
+        ("nearest", "parts: array<Part, COUNT>", "Encounter", "nearer(all, #u, parts[#])"),
+        (
+            "left_across",
+            "first: vec3<f32>, forward: vec3<f32>, most: f32",
+            "vec4<f32>",
+            "lessened(all, first, forward, most)",
+        ),
+        ("thickness", "parts: array<Part, COUNT>, ends: vec2<f32>", "f32", "thicker(all, parts[#], ends)"),
+        ("densest_of", "parts: array<Part, COUNT>, distance: f32", "vec4<f32>", "denser(all, parts[#], distance)"),
+    ];
+    let of = |call: &str, module: &str, k: usize| format!("{module}_of{k}::{}", call.replace('#', &k.to_string()));
+    let gather = |(name, parameters, call): (&str, &str, &str)| {
+        let each: Vec<_> = (0..layers).map(|k| of(call, "paths", k)).collect();
+        let made = format!("array<Part, COUNT>({})", each.join(", "));
+        format!("fn {name}({parameters}) -> array<Part, COUNT> {{\n    return {made};\n}}\n")
+    };
+    let fold = |(name, parameters, gives, call): (&str, &str, &str, &str)| {
+        let turns: String = (0..layers).map(|k| format!("    all = {};\n", of(call, "part", k))).collect();
+        let body = format!("    var all = before;\n{turns}    return all;\n");
+        format!("fn {name}(before: {gives}, {parameters}) -> {gives} {{\n{body}}}\n")
+    };
+    let import = |k: usize| {
+        format!("#import pellucid::of{k}::part as part_of{k}\n#import pellucid::of{k}::paths as paths_of{k}\n")
+    };
+    let imports: String = (0..layers).map(import).collect();
+    let functions: String = gathered.map(gather).into_iter().chain(folded.map(fold)).collect();
+    format!(
+        "#define_import_path pellucid::every\n#import pellucid::count::COUNT\n\
+         #import pellucid::flight::{{Aim, Encounter, Part}}\n{imports}{functions}"
+    )
 }
 
 /// Functions, by names, parameters and types, that call those of a module of one of so many layers, by its number; of no

@@ -7,9 +7,10 @@ use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescript
 use wgpu::naga::Module;
 use wgpu::naga::compact::{KeepUnused, compact};
 
-use super::instances::{across, count, each, each_hit, each_path, is_shared, text_of};
+use super::instances::{across, count, each, each_hit, each_path, every, is_shared, text_of};
 use super::pass::{
-    APART, HITS, ISOSURFACES, LAYER, LAYERS, MERGE, SHARED, SLABS, SLICE_LAYERS, SLICE_LAYERS_PIXELS, WAYS, Wgsl,
+    APART, HITS, ISOSURFACES, LAYER, LAYERS, MERGE, PART, SHARED, SIGHTS, SLABS, SLICE_LAYERS, SLICE_LAYERS_PIXELS,
+    TOGETHER, WAYS, Wgsl,
 };
 use super::{Constants, Pass, Traversal, Variant, defines};
 use crate::GpuError;
@@ -34,19 +35,19 @@ impl Linker {
     pub fn link(&mut self, layers: &[Variant], constants: Constants) -> Result<Module, GpuError> {
         let failed = |message: String| GpuError::Shader { variant: format!("{layers:?}"), message };
         let variant = &layers[0];
-        let (composer, entry) = if variant.is_of_several() {
-            let (composers, files, entry): (_, fn(usize) -> _, _) = match (variant.pass, variant.traversal) {
-                (Pass::Apart, _) => (&mut self.apart, merging, APART),
-                (_, Traversal::Slices) => (&mut self.together, of_layers, SLICE_LAYERS),
-                (_, Traversal::SlicePixels) => (&mut self.together, of_layers, SLICE_LAYERS_PIXELS),
-                (Pass::Isosurface, _) => (&mut self.together, of_layers, ISOSURFACES),
-                _ => (&mut self.together, of_layers, LAYERS),
+        let (composer, entry, text) = if variant.is_of_several() {
+            let (composers, files): (_, fn(usize) -> _) = match variant.pass {
+                Pass::Apart => (&mut self.apart, merging),
+                _ => (&mut self.together, of_layers),
             };
+            let entry = entry_of_several(variant);
+            // One file follows paths through any number of volumes: what is no volume's own is asked of the first.
+            let text = if variant.pass.traces() { text_of(entry.text, 0) } else { entry.text.to_owned() };
             let composer = match composers.entry(layers.len()) {
                 Entry::Occupied(found) => found.into_mut(),
                 Entry::Vacant(place) => place.insert(composer(files(layers.len())).map_err(failed)?),
             };
-            (composer, entry)
+            (composer, entry, text)
         } else {
             let (entry, mode) = variant.pass.files(variant.traversal);
             let composer = match self.composers.entry(mode.as_ref().map(|mode| mode.name)) {
@@ -59,7 +60,8 @@ impl Linker {
                     place.insert(composer(files).map_err(failed)?)
                 }
             };
-            (composer, entry)
+            let text = entry.text.to_owned();
+            (composer, entry, text)
         };
         let mut defines = defines(layers);
         if constants == Constants::Stored {
@@ -68,12 +70,8 @@ impl Linker {
                 defines.insert("LOADED_CONSTANTS".to_owned(), ShaderDefValue::Bool(true));
             }
         }
-        let module = NagaModuleDescriptor {
-            source: entry.text,
-            file_path: entry.name,
-            shader_defs: defines,
-            ..Default::default()
-        };
+        let module =
+            NagaModuleDescriptor { source: &text, file_path: entry.name, shader_defs: defines, ..Default::default() };
         let made = composer.make_naga_module(module);
         let mut made = made.map_err(|error| failed(error.emit_to_string(composer)))?;
         // What is left is what the pass uses.
@@ -84,16 +82,38 @@ impl Linker {
 
 type Files = Vec<(&'static str, String)>;
 
+/// The file with the entry point of a pass over several volumes.
+fn entry_of_several(variant: &Variant) -> Wgsl {
+    match (variant.pass, variant.traversal) {
+        (Pass::Apart, _) => APART,
+        (Pass::PathTrace | Pass::PathTracePixels, _) => {
+            let (entry, _) = variant.pass.files(Traversal::Rays);
+            entry
+        }
+        (_, Traversal::Slices) => SLICE_LAYERS,
+        (_, Traversal::SlicePixels) => SLICE_LAYERS_PIXELS,
+        (Pass::Isosurface, Traversal::Rays) => ISOSURFACES,
+        (_, Traversal::Rays) => LAYERS,
+    }
+}
+
 /// The files of so many layers that are followed together.
 fn of_layers(layers: usize) -> Files {
     let own = |file: &Wgsl| {
         let across = (file.name == "shadow").then(|| ("across", across(layers)));
         of_each(file, layers).into_iter().chain(across).collect::<Vec<_>>()
     };
-    let files = SHARED.iter().chain([&LAYER, &HITS]).flat_map(own);
-    let last = [MERGE, WAYS, SLABS].map(|file| (file.name, file.text.to_owned()));
-    let asking = [("each", each(layers)), ("each_hit", each_hit(layers))];
-    std::iter::once(("count", count(layers))).chain(files).chain(asking).chain(last).collect()
+    let files = SHARED.iter().chain([&LAYER, &HITS, &PART]).flat_map(own);
+    let choosing = [
+        ("each", each(layers)),
+        ("each_hit", each_hit(layers)),
+        ("each_path", each_path(layers)),
+        ("every", every(layers)),
+    ];
+    let last = choosing
+        .into_iter()
+        .chain([MERGE, WAYS, SLABS, TOGETHER, SIGHTS].map(|file| (file.name, file.text.to_owned())));
+    std::iter::once(("count", count(layers))).chain(files).chain(last).collect()
 }
 
 /// What merges so many layers: files of the first, which are those of all.

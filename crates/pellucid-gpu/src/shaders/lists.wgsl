@@ -52,6 +52,13 @@ struct Paths {
     // Unit vectors of the world across the view.
     lens_right: vec4<f32>,
     lens_up: vec4<f32>,
+    // Rows of the matrix from voxels to those of the first volume, and back.
+    first_x: vec4<f32>,
+    first_y: vec4<f32>,
+    first_z: vec4<f32>,
+    own_x: vec4<f32>,
+    own_y: vec4<f32>,
+    own_z: vec4<f32>,
 }
 
 // Half-spaces that are kept, in voxels of their volume: normal and offset.
@@ -59,3 +66,7 @@ struct Paths {
 @group(0) @binding(4) var<storage, read> lights: array<Light>;
 // What tables hold.
 @group(2) @binding(0) var<storage, read> entries: array<vec4<f32>>;
+#ifdef LAYERED
+// What paths are told of each volume.
+@group(0) @binding(19) var<storage, read> paths: array<Paths>;
+#endif

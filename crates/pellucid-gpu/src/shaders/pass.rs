@@ -59,9 +59,12 @@ pub(super) const SHARED: &[Wgsl] = &[
 /// What several volumes in one pass have besides: what each of them is asked, and what all of them are together.
 pub(super) const LAYER: Wgsl = wgsl!("layer");
 pub(super) const HITS: Wgsl = wgsl!("hits");
+pub(super) const PART: Wgsl = wgsl!("part");
 pub(super) const MERGE: Wgsl = wgsl!("merge");
 pub(super) const WAYS: Wgsl = wgsl!("ways");
 pub(super) const SLABS: Wgsl = wgsl!("slabs");
+pub(super) const TOGETHER: Wgsl = wgsl!("together");
+pub(super) const SIGHTS: Wgsl = wgsl!("sights");
 pub(super) const LAYERS: Wgsl = wgsl!("layers");
 pub(super) const ISOSURFACES: Wgsl = wgsl!("isosurfaces");
 pub(super) const APART: Wgsl = wgsl!("apart");
@@ -174,9 +177,9 @@ impl Pass {
         sampling.contains(&self)
     }
 
-    /// Whether it follows rays through several volumes together.
+    /// Whether it follows rays, or paths, through several volumes together.
     pub fn follows_together(self) -> bool {
-        matches!(self, Self::Composite | Self::CompositePre | Self::PreIntegrated | Self::Isosurface)
+        matches!(self, Self::Composite | Self::CompositePre | Self::PreIntegrated | Self::Isosurface) || self.traces()
     }
 
     /// Whether it follows rays through each of several volumes by itself: what it makes of a ray has no place on it.

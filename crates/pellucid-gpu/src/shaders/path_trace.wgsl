@@ -1,7 +1,7 @@
 // A path of light for each pixel, from the eye to where its light came from: `path.rs` of the CPU backend. The pass:
 // rows of the picture, the number of the path; 1 if it is the first.
 #import pellucid::frame::{frame, bounds}
-#import pellucid::each_path::{emission, in_front, vertex_density, vertex_light, vertex_of, vertex_sample, vertex_value}
+#import pellucid::each_path::{emission, in_first, in_front, load, vertex_density, vertex_light, vertex_of, vertex_sample, vertex_value}
 #import pellucid::extent::{light_seen, sample_light}
 #import pellucid::flight::{Aim, Vertex, FAR_AWAY}
 #import pellucid::lists::lights
@@ -48,7 +48,7 @@ fn direct(layer: u32, p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
     var distance = FAR_AWAY;
     var light = vec3<f32>(0.0);
     if chosen < frame.light_count {
-        let found = sample_light(chosen, p);
+        let found = sample_light(chosen, in_first(layer, p));
         direction = found.arriving.to_light;
         distance = found.distance;
         let has_highlight = lights[chosen].radiance.w != 0.0;
@@ -71,8 +71,8 @@ fn direct(layer: u32, p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
     return Light(light * left.rgb * f32(sources), u32(left.a));
 }
 
-// The lights that a scattered path meets before its next collision, which is `way` off, with the share that `direct`
-// leaves them. Nothing hides behind a light.
+// The lights that a scattered path meets before its next collision, which is `way` off, from a position in the first
+// volume on, with the share that `direct` leaves them. Nothing hides behind a light.
 fn lights_met(p: vec3<f32>, direction: vec3<f32>, way: f32, density: f32, sources: u32) -> vec3<f32> {
     var radiance = vec3<f32>(0.0);
     for (var i = 0u; i < frame.light_count; i += 1u) {
@@ -118,7 +118,7 @@ fn follow(aim: Aim) -> Found {
         throughput = collision.carried;
         found.looks += collision.looks;
         if scatterings > 0u {
-            let met = lights_met(p, forward, collision.distance, density, sources);
+            let met = lights_met(in_first(layer, p), forward, collision.distance, density, sources);
             found.radiance += throughput * met;
         }
         if collision.distance >= FAR_AWAY {
@@ -174,6 +174,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= frame.size.x || id.y >= bounds.rows.count {
         return;
     }
+    load();
     let slot = id.y * frame.size.x + id.x;
     let path = bounds.rows.ray;
     var state = new_state();

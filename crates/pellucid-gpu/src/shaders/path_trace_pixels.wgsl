@@ -1,6 +1,7 @@
 // From paths to pixels: their mean, its standard error, the depth at which half of a ray's light has collided, and the
 // normal there.
 #import pellucid::frame::{frame, bounds}
+#import pellucid::each_path::load
 #import pellucid::march::{states, HIT, NOWHERE}
 #import pellucid::pixel::{Pixel, pixels}
 #import pellucid::paths::paths
@@ -23,6 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= frame.size.x || id.y >= bounds.rows.count {
         return;
     }
+    load();
     let slot = id.y * frame.size.x + id.x;
     let state = states[slot];
     let count = state.surface.z;

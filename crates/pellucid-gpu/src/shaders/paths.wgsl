@@ -5,6 +5,9 @@
 #import pellucid::frame::frame
 #import pellucid::flight::{Aim, Collision, Flight, Part, FAR_AWAY}
 #import pellucid::lists::Paths
+#ifdef LAYERED
+#import pellucid::lists::paths as all_paths
+#endif
 #import pellucid::ray::{beam_of, exit_of, nonzeros, span_of}
 #import pellucid::field::field_value
 #import pellucid::random::{random, random_depth}
@@ -13,13 +16,22 @@
 #import pellucid::noise::{variation_at, varied_color, varied_extinction}
 #endif
 
-#ifdef STORED_CONSTANTS
+#ifdef LAYERED
+var<private> paths: Paths;
+#else ifdef STORED_CONSTANTS
 @group(0) @binding(19) var<storage, read> paths: Paths;
 #else
 @group(0) @binding(19) var<uniform> paths: Paths;
 #endif
 // The largest extinction of every block, and how many blocks away the next one is where there is some.
 @group(0) @binding(20) var majorants: texture_3d<f32>;
+
+// Reads the numbers of volume `layer`, if it is one of several.
+fn load_paths(layer: u32) {
+#ifdef LAYERED
+    paths = all_paths[layer];
+#endif
+}
 
 // A direction of the world in voxels per step.
 fn to_voxels(v: vec3<f32>) -> vec3<f32> {
@@ -38,7 +50,7 @@ fn part_of(origin: vec3<f32>, direction: vec3<f32>, from_t: f32) -> Part {
     return Part(Flight(origin + direction * span.x, direction, span.y - span.x), span.x);
 }
 
-// What of a ray from the eye is in the volume: from the plane on that rays count from.
+// What of a ray from the eye is in the volume: from the plane on that the rays of all volumes count from.
 fn part_ahead(aim: Aim) -> Part {
     let ray = beam_of(aim.at);
     var origin = ray.origin;
@@ -48,6 +60,24 @@ fn part_ahead(aim: Aim) -> Part {
         origin = eye + to_voxels(aim.across) + to_voxels(aim.forward) * ray.to_base;
     }
     return part_of(origin, to_voxels(aim.forward), -ray.to_base);
+}
+
+// A position in voxels of the first volume: the place that all have in common, as far from the world's origin single
+// precision would blur.
+fn in_first(p: vec3<f32>) -> vec3<f32> {
+#ifdef LAYERED
+    let here = vec4<f32>(p, 1.0);
+    return vec3<f32>(dot(paths.first_x, here), dot(paths.first_y, here), dot(paths.first_z, here));
+#else
+    return p;
+#endif
+}
+
+// What is in the volume of the way from a position in the first one along a unit vector of the world.
+fn part_from(first: vec3<f32>, forward: vec3<f32>) -> Part {
+    let there = vec4<f32>(first, 1.0);
+    let origin = vec3<f32>(dot(paths.own_x, there), dot(paths.own_y, there), dot(paths.own_z, there));
+    return part_of(origin, to_voxels(forward), 0.0);
 }
 
 // Where a surface is lit: in front of the matter that belongs to it, which is so many mean free paths deep.

@@ -29,7 +29,7 @@ pub fn solid(dims: [usize; 3], corner: [f64; 3], spacing: [f64; 3]) -> Arc<Volum
 }
 
 /// The same voxels, elsewhere.
-fn placed(volume: &Volume, affine: DAffine3) -> Arc<Volume> {
+pub fn placed(volume: &Volume, affine: DAffine3) -> Arc<Volume> {
     let grid = *volume.grid();
     let grid = Grid::with_affine(grid.dims(), affine * grid.world_from_index()).unwrap();
     Arc::new(volume.clone().with_grid(grid).unwrap())

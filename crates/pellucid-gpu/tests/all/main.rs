@@ -12,6 +12,7 @@ mod filters;
 mod half_angle;
 mod layered_slices;
 mod layers;
+mod path_layers;
 mod path_trace;
 mod perturbation;
 mod polygons;

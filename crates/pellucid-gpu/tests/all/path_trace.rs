@@ -23,7 +23,7 @@ fn clouds(scattering: &str, rest: &str) -> Stage {
 }
 
 /// Whether both backends draw a stage alike, but for noise.
-fn agree(stage: &Stage, what: &str) -> [Frame; 2] {
+pub fn agree(stage: &Stage, what: &str) -> [Frame; 2] {
     let (expected, found) = (of_cpu(stage), draw(&mut gpu(&Ceiling::default()), stage));
     let (squares, mean) = scores(&expected, &found);
     // Of some 300 pixels, four standard errors of a mean of squares; tails are heavier than normal ones.
@@ -31,13 +31,13 @@ fn agree(stage: &Stage, what: &str) -> [Frame; 2] {
     [expected, found]
 }
 
-fn of_cpu(stage: &Stage) -> Frame {
+pub fn of_cpu(stage: &Stage) -> Frame {
     CpuRenderer::default().render(stage, &Control::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Differences over their standard errors, squared: their mean over pixels, which is about 1 for the same picture,
 /// and the difference of the pictures' mean brightness over its own.
-fn scores(a: &Frame, b: &Frame) -> (f64, f64) {
+pub fn scores(a: &Frame, b: &Frame) -> (f64, f64) {
     let brightness = |frame: &Frame, k: usize| f64::from(luminance([0, 1, 2].map(|c| frame.color[k][c])));
     let (mut squares, mut count, mut difference, mut variance) = (0.0, 0, 0.0, 0.0);
     for k in 0..a.color.len() {

@@ -51,15 +51,16 @@ fn layers_of_any_kind_are_valid() {
     let merge = [Variant::of(Pass::Apart).canonical(); 3];
     check_written(&merge, &linker.link(&merge, Constants::Stored).unwrap_or_else(|error| panic!("{error}")));
     assert!(together.len() > 100 && apart.len() > 100, "{} and {}", together.len(), apart.len());
-    // Every kind beside another one.
-    let (slices, rays): (Vec<Variant>, Vec<Variant>) =
-        together.into_iter().partition(|variant| variant.traversal == Traversal::Slices);
-    assert!(slices.len() > 50, "{}", slices.len());
-    let pairs = rays.chunks(13).chain(slices.chunks(13)).map(|chunk| [chunk[0], *chunk.last().unwrap_or(&chunk[0])]);
-    for (number, pair) in pairs.enumerate() {
+    // Every kind beside another one of the same pass.
+    let alike = |a: &Variant, b: &Variant| (a.pass, a.traversal) == (b.pass, b.traversal);
+    let chunks = together.chunk_by(alike).flat_map(|of_pass| of_pass.chunks(13));
+    for (number, pair) in chunks.map(|chunk| [chunk[0], *chunk.last().unwrap_or(&chunk[0])]).enumerate() {
         let constants = if number.is_multiple_of(2) { Constants::Uniform } else { Constants::Stored };
         let module = linker.link(&pair, constants).unwrap_or_else(|error| panic!("{error}"));
         check_written(&pair, &module);
+        if constants == Constants::Uniform {
+            check_limits(&pair[0], &module);
+        }
         let used = resources(&module).unwrap();
         let of = |layer, name: &str| used.iter().any(|resource| resource.layer == layer && resource.name == name);
         // Classified voxels are looked up one by one.
