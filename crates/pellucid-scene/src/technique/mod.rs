@@ -25,8 +25,8 @@ pub use ray_cast::RayCast;
 use settings::Settings;
 pub use slicing::{BlendOrder, ColorWeight, Correction, Proxy, SliceGeometry, SliceTarget, Slicing};
 
-/// The technique that draws the scene. There will be others: backends say of those that they do not know that they lack
-/// them.
+/// The technique that draws the scene.
+// There will be others: a backend says of one that it does not know that it lacks it.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
