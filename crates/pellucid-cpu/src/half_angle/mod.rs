@@ -228,7 +228,7 @@ impl Drawing<'_> {
             ways: self.geometry.ways,
             correction: settings.correction,
             into_cone: (settings.in_scatter != InScatter::Indirect)
-                .then(|| into_cone(&prepared.volume.scattering, settings)),
+                .then(|| into_cone(self.layers.iter().map(|layer| &layer.volume.scattering), settings)),
             scales: [settings.direct, settings.indirect],
             cuts: prepared.cuts(),
             skip: prepared.grids.skip.as_ref(),

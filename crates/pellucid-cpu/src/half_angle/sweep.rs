@@ -113,7 +113,7 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
             needed,
             radius,
             reach,
-            phase: mean_into_cone(prepared, settings),
+            phase: into_cone(prepared.iter().map(|layer| &layer.volume.scattering), settings),
         })
     }
 
@@ -212,13 +212,6 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
             .collect();
         *touched = found.concat();
     }
-}
-
-/// Weights of direct light that is scattered into the cone: of several layers, their mean.
-fn mean_into_cone(prepared: &[Prepared], settings: &HalfAngle) -> [f32; 3] {
-    let each = prepared.iter().map(|layer| into_cone(&layer.volume.scattering, settings));
-    let sum = each.reduce(|a, b| [0, 1, 2].map(|channel| a[channel] + b[channel])).unwrap_or_default();
-    sum.map(|weight| weight / prepared.len() as f32)
 }
 
 /// The rows of bands in a buffer of so many numbers per texel, with the padding beside them.

@@ -72,7 +72,7 @@ impl Sweep {
             }
         }
         sweep.scales = [settings.direct, settings.indirect, settings.initial_indirect, lights as f32];
-        let [r, g, b] = into_cone(&volume.scattering, settings);
+        let [r, g, b] = into_cone(std::iter::once(&volume.scattering), settings);
         sweep.cone = [r, g, b, 0.0];
         let turn = TAU / f64::from(taps::count(settings).max(1));
         sweep.taps = [turn.cos() as f32, turn.sin() as f32, 1.0 / sides[0] as f32, 1.0 / sides[1] as f32];

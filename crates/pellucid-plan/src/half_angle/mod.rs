@@ -155,11 +155,17 @@ impl Geometry {
     }
 }
 
-/// Weights of direct light that is scattered into the cone, over those of light that is thrown straight on
-/// (Eq. 6.8).
-pub fn into_cone(scattering: &Scattering, settings: &HalfAngle) -> [f32; 3] {
-    let (phase, g) = (&scattering.phase, scattering.phase.anisotropy().unwrap_or(0.0));
+/// Weights of direct light that is scattered into the cone, over those of light that is thrown straight on (Eq. 6.8): of
+/// several volumes, in the order in which they are merged, the mean.
+pub fn into_cone<'s>(each: impl ExactSizeIterator<Item = &'s Scattering>, settings: &HalfAngle) -> [f32; 3] {
     let cosine = (settings.blur_angle.to_radians() / 2.0).cos() as f32;
-    let [cone, forward] = [cosine, 1.0].map(|mu| phase.weight(scattering.phase_normalization, g, mu));
-    [0, 1, 2].map(|channel| if forward[channel] > 0.0 { cone[channel] / forward[channel] } else { 1.0 })
+    let (mut sum, count) = ([0.0; 3], each.len() as f32);
+    for Scattering { phase, phase_normalization, .. } in each {
+        let g = phase.anisotropy().unwrap_or(0.0);
+        let [cone, forward] = [cosine, 1.0].map(|mu| phase.weight(*phase_normalization, g, mu));
+        for channel in 0..3 {
+            sum[channel] += if forward[channel] > 0.0 { cone[channel] / forward[channel] } else { 1.0 };
+        }
+    }
+    sum.map(|weights| weights / count)
 }
