@@ -13,7 +13,7 @@ const SHARED: [&str; 16] = [
     "each_hit",
     "merge",
     "ways",
-    "slabs",
+    "slice_nodes",
     "random",
     "flight",
     "each_path",

@@ -9,8 +9,8 @@ use wgpu::naga::compact::{KeepUnused, compact};
 
 use super::instances::{across, count, each, each_hit, each_path, every, is_shared, text_of};
 use super::pass::{
-    APART, HITS, ISOSURFACES, LAYER, LAYERS, MERGE, PART, SHARED, SIGHTS, SLABS, SLICE_LAYERS, SLICE_LAYERS_PIXELS,
-    TOGETHER, WAYS, Wgsl,
+    APART, HITS, ISOSURFACES, LAYER, LAYERS, MERGE, PART, SHARED, SIGHTS, SLICE_LAYERS, SLICE_LAYERS_PIXELS,
+    SLICE_NODES, TOGETHER, WAYS, Wgsl,
 };
 use super::{Constants, Pass, Traversal, Variant, defines};
 use crate::GpuError;
@@ -112,7 +112,7 @@ fn of_layers(layers: usize) -> Files {
     ];
     let last = choosing
         .into_iter()
-        .chain([MERGE, WAYS, SLABS, TOGETHER, SIGHTS].map(|file| (file.name, file.text.to_owned())));
+        .chain([MERGE, WAYS, SLICE_NODES, TOGETHER, SIGHTS].map(|file| (file.name, file.text.to_owned())));
     std::iter::once(("count", count(layers))).chain(files).chain(last).collect()
 }
 

@@ -5,7 +5,7 @@
 #import pellucid::of0::slices::{share_of, slices}
 #import pellucid::of0::table::{over, over_length}
 #import pellucid::merge::merged
-#import pellucid::slabs::{find_slabs, node, stride}
+#import pellucid::slice_nodes::{find_nodes, node, stride}
 #import pellucid::ways::{clear_until, each_of, end_of, whole, CLOSE}
 
 struct Blended {
@@ -16,7 +16,7 @@ struct Blended {
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>, @location(0) @interpolate(flat) slice: u32) -> Blended {
     let pixel = vec2<u32>(position.xy) + vec2<u32>(frame.size.y, bounds.rows.first);
-    find_slabs(place_of(pixel, bounds.rows.ray));
+    find_nodes(place_of(pixel, bounds.rows.ray));
     let jitter = jitter_of(pixel, bounds.rows.ray);
     var color = vec4<f32>(0.0);
     var counts = vec4<u32>(0u);

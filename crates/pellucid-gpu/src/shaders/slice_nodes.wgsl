@@ -1,5 +1,5 @@
 // Slices through several volumes: nodes of the rays, from a place before all volumes on.
-#define_import_path pellucid::slabs
+#define_import_path pellucid::slice_nodes
 
 #import pellucid::of0::frame::frame
 #import pellucid::of0::ray::beam_of
@@ -11,7 +11,7 @@ var<private> first: f32;
 var<private> stride: f32;
 
 // Finds what the ray through a place of the picture meets, in pixels.
-fn find_slabs(at: vec2<f32>) {
+fn find_nodes(at: vec2<f32>) {
     find_ways(at);
     let beam = beam_of(at);
     if slices.counts.z != 0u {
@@ -31,6 +31,6 @@ fn node(k: f32) -> f32 {
 }
 
 // How many slabs the volumes reach through.
-fn slabs_along(length: f32) -> u32 {
+fn slabs_in(length: f32) -> u32 {
     return u32(max(ceil(length / stride), 0.0));
 }
