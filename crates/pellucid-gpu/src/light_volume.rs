@@ -183,6 +183,8 @@ impl Sweeper<'_> {
         control: &Control,
     ) -> Result<(), GpuError> {
         let size = geometry.frame.size.map(|n| n as u32);
+        // Nothing becomes indirect light.
+        let settings = (settings, [0.0; 3]);
         let numbers = Sweep::new((stage, volume), settings, geometry, (light, 1), Layers::sides(size));
         let numbers = self.device.constant_buffer("sweep", bytes_of(&numbers));
         let slabs = geometry.slabs.count as u32;

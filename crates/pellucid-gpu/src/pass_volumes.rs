@@ -6,9 +6,11 @@ use wgpu::BindGroup;
 use crate::bindings::Bindings;
 use crate::bounds::BoundsBuffer;
 use crate::bricks::Brick;
+use crate::dispatch::Bound;
 use crate::groups::{Groups, Named};
 use crate::lists::Lists;
 use crate::on_device::Drawn;
+use crate::pipelines::Pipeline;
 use crate::resident::Resident;
 use crate::shaders::Variant;
 use crate::{Device, GpuError};
@@ -56,6 +58,11 @@ impl<'a> PassVolumes<'a> {
         &self.each[0]
     }
 
+    /// All of them.
+    pub fn each(&self) -> &[PassVolume<'a>] {
+        &self.each
+    }
+
     /// What is compiled into shaders that look at the volumes.
     pub fn variants(&self) -> impl Iterator<Item = Variant> {
         self.each.iter().map(|volume| volume.bindings.variant)
@@ -88,7 +95,13 @@ impl<'a> PassVolumes<'a> {
 
     /// What a pipeline is told of the frame and its passes, with what is the pass's own.
     pub fn frame_group(&self, groups: &Groups, passes: &BoundsBuffer, own: &[Named]) -> BindGroup {
+        self.frame_group_of_each(groups, passes, own, &[])
+    }
+
+    /// The same with something of each volume's own.
+    fn frame_group_of_each(&self, groups: &Groups, passes: &BoundsBuffer, own: &[Named], each: &[Named]) -> BindGroup {
         let mut layers: Vec<_> = self.each.iter().map(|volume| volume.bindings.of_frame(passes)).collect();
+        layers.iter_mut().zip(each).for_each(|(layer, own)| layer.push(own.clone()));
         // What is found first is bound.
         layers[0].splice(0..0, self.lists.iter().flat_map(Lists::named).chain(own.iter().cloned()));
         groups.frame().bind_layers(self.device, &layers)
@@ -100,6 +113,24 @@ impl<'a> PassVolumes<'a> {
             Some(lists) => groups.tables().bind(self.device, &lists.named().collect::<Vec<_>>()),
             None => self.first().bindings.table_group(groups),
         }
+    }
+
+    /// A pipeline with all that it is told of whole volumes: of the frame and its passes, with what is the pass's own and
+    /// something of each volume's, of voxels and of tables.
+    ///
+    /// # Errors
+    /// As [`PassVolumes::volume_group`].
+    pub fn bound<'p>(
+        &mut self,
+        Pipeline { pipeline, groups, .. }: &'p Pipeline,
+        passes: &BoundsBuffer,
+        (own, each): (&[Named], &[Named]),
+        control: &Control,
+    ) -> Result<Bound<'p>, GpuError> {
+        let brick = self.first().resident.bricks[0];
+        let volume = self.volume_group(groups, &brick, control)?;
+        let frame = self.frame_group_of_each(groups, passes, own, each);
+        Ok(Bound { pipeline, groups: [frame, volume, self.table_group(groups)] })
     }
 
     /// Most looks at the blocks in a pass.

@@ -89,20 +89,20 @@ impl GpuRenderer {
         let name = stage.technique.name();
         let shadows = stage.shadows == Shadows::None || stage.technique.needs().shadows;
         let noisy = |volume: &StageVolume| volume.perturbation.displaces() || volume.perturbation.varies();
+        let face = lit && stage.path_trace().is_none() && stage.lights.iter().any(ResolvedLight::is_face);
         match &stage.technique {
-            _ if stage.has_layers() => lacks_of_layers(stage),
+            _ if face => Some("lighting.lights of kind rectangle".to_owned()),
             // Slices take a sample at its own place.
             Technique::Slicing(_) if stage.volumes.iter().any(noisy) => Some(format!("volumes.perturbation in {name}")),
-            Technique::PathTrace(_) => lacks_of_paths(stage),
-            _ if lit && stage.lights.iter().any(ResolvedLight::is_face) => {
-                Some("lighting.lights of kind rectangle".to_owned())
+            Technique::Slicing(_) if lit && !shadows => {
+                Some(format!("lighting.shadows = {} in {name}", stage.shadows.name()))
             }
+            _ if stage.has_layers() => lacks_of_layers(stage),
+            Technique::PathTrace(_) => lacks_of_paths(stage),
             _ if stage.classifies_voxels() && stage.volumes.iter().any(|volume| stage.chroma(volume).is_some()) => {
                 Some("scattering.extinction_color of classified voxels".to_owned())
             }
-            Technique::HalfAngle(_) => None,
-            _ if lit && !shadows => Some(format!("lighting.shadows = {} in {name}", stage.shadows.name())),
-            Technique::RayCast(_) | Technique::Slicing(_) => None,
+            Technique::RayCast(_) | Technique::Slicing(_) | Technique::HalfAngle(_) => None,
             _ => Some(name.to_owned()),
         }
     }
@@ -330,9 +330,7 @@ impl GpuRenderer {
                 drawing
             }
             Technique::HalfAngle(settings) => {
-                let Drawn { volume, resident, optics, uploads } = only(drawn)?;
-                let (what, optics) = ((stage, volume, settings), (optics, uploads));
-                let slicer = HalfAngleSlicer::new(device, &mut self.pipelines, resident, what, optics, self.drawing);
+                let slicer = HalfAngleSlicer::new(device, &mut self.pipelines, (stage, settings), drawn, self.drawing);
                 let (mut slicer, drawing) = (slicer?, Instant::now());
                 slicer.draw(&mut self.travelling, target, control, frame)?;
                 drawing
@@ -389,17 +387,11 @@ fn lacks_of_layers(stage: &Stage) -> Option<String> {
             let merges = casts && stage.overlap != Overlap::Add;
             merges.then(|| "lighting.shadows between volumes whose overlap is not add".to_owned())
         }
-        (Technique::RayCast(_), _) => None,
+        (Technique::RayCast(_) | Technique::HalfAngle(_), _) => None,
         (Technique::Slicing(_), _) if stage.technique.needs().several_volumes => None,
         (Technique::PathTrace(_), _) => lacks_of_paths(stage),
         _ => Some(format!("{count} volumes in one picture by {name}")),
     }
-}
-
-/// The one volume of a technique that draws one.
-fn only<'a, 'o>(drawn: Vec<Drawn<'a, 'o>>) -> Result<Drawn<'a, 'o>, GpuError> {
-    let found = drawn.len();
-    drawn.into_iter().next().ok_or(GpuError::Volumes { found, most: 1 })
 }
 
 /// What is known of a stage before anything of it is on the device.

@@ -42,19 +42,24 @@ impl Rectangle {
 }
 
 impl Areas {
-    /// For slabs in which a blur reaches so many texels; everything if nothing is known of the blocks.
-    pub fn new(geometry: &Geometry, blocks: Option<&BlockMap>, grid: &Grid, reach: f64) -> Self {
+    /// For slabs in which a blur reaches so many texels, around volumes with their blocks; everything if of any nothing is
+    /// known.
+    pub fn new(geometry: &Geometry, volumes: &[(&Grid, Option<&BlockMap>)], reach: f64) -> Self {
         let (count, size) = (geometry.slabs.count, geometry.frame.size.map(|n| n as u32));
-        let Some((blocks, distances)) = blocks.and_then(|blocks| match &blocks.content {
-            BlockContent::Distances(distances) => Some((blocks, distances)),
-            BlockContent::Extremes(_) => None,
-        }) else {
+        let boxes = volumes.iter().map(|(grid, blocks)| {
+            let blocks = (*blocks)?;
+            let BlockContent::Distances(distances) = &blocks.content else { return None };
+            Some((*grid, live_boxes(blocks, distances)))
+        });
+        let Some(boxes) = boxes.collect::<Option<Vec<_>>>() else {
             return Self { slabs: 0..count as u32, texels: vec![[[0; 2], size]; count] };
         };
         // What begins in every slab, and what ends there.
         let (mut begun, mut ended) = (vec![Rectangle::NOTHING; count], vec![Rectangle::NOTHING; count]);
         let (mut first, mut last) = (count, 0);
-        for (low, high) in live_boxes(blocks, distances) {
+        for (grid, (low, high)) in
+            boxes.into_iter().flat_map(|(grid, each)| each.into_iter().map(move |one| (grid, one)))
+        {
             let (texels, slabs) = seen_by_light(geometry, grid, low, high);
             // A bilinear look from an eye's sample reaches a texel further.
             let texels = texels.grown(2.0);

@@ -1,6 +1,7 @@
 //! Half-angle slicing: light that travels through the volume while it is drawn (6.3), slab by slab as in the CPU
 //! backend. Light is a layer of texels in front of every slab of a *run*: shaders pass it from layer to layer,
-//! then the eye looks at the whole run. Runs follow each other without a stop, many in a submission.
+//! then the eye looks at the whole run. Runs follow each other without a stop, many in a submission. Slabs are those of
+//! all volumes of the picture.
 
 mod area;
 mod layers;
@@ -11,8 +12,8 @@ use std::time::Instant;
 
 use bytemuck::bytes_of;
 use pellucid_optics::ResolvedLight;
-use pellucid_plan::half_angle::{Geometry, LightError, lights, material, taps};
-use pellucid_scene::{Control, Frame as Picture, HalfAngle, InScatter, Stage, StageVolume};
+use pellucid_plan::half_angle::{Geometry, LightError, around, into_cone, lights, material, taps};
+use pellucid_scene::{Control, Frame as Picture, HalfAngle, InScatter, Stage};
 use wgpu::{BindingResource, Buffer, CommandEncoderDescriptor, Features};
 
 use crate::bindings::Bindings;
@@ -20,15 +21,14 @@ use crate::bounds::{BoundsBuffer, EyeBounds, LightBounds, RayBounds, Rows, Run};
 use crate::dispatch::dispatch;
 use crate::drawing::{Drawing, Interpolation};
 use crate::groups::Named;
-use crate::optics::Optics;
+use crate::on_device::Drawn;
 use crate::pace::Pace;
+use crate::pass_volumes::{PassVolume, PassVolumes};
 use crate::pipelines::{Pipeline, Pipelines};
-use crate::resident::Resident;
 use crate::shaders::{Pass, Variant};
 use crate::targets::Targets;
 use crate::timer::Timer;
 use crate::uniforms;
-use crate::uploads::Uploads;
 use crate::window::Window;
 use crate::{Device, GpuError};
 
@@ -54,9 +54,8 @@ pub struct KeptLight {
 /// Everything on the device that one frame is drawn with.
 pub struct HalfAngleSlicer<'a> {
     device: &'a Device,
-    resident: &'a mut Resident,
     stage: &'a Stage,
-    bindings: Bindings<'a>,
+    volumes: PassVolumes<'a>,
     lights: Vec<Travelling>,
     /// Texels of the widest and the highest of their pictures.
     size: [u32; 2],
@@ -71,7 +70,8 @@ pub struct HalfAngleSlicer<'a> {
 /// A light on its way.
 struct Travelling {
     geometry: Geometry,
-    numbers: Buffer,
+    /// What shaders are told of it, volume by volume.
+    numbers: Vec<Buffer>,
     /// Where it has something to do.
     areas: Areas,
     /// Slabs that the eye looks at together.
@@ -120,80 +120,103 @@ fn run_length(texels: usize) -> u32 {
     ((MOST_TEXELS / texels.max(1)) as u32).clamp(1, MOST_RUN)
 }
 
+/// What is bound to shaders of one of the volumes, whose lists lie where `lists` says, among so many lights.
+fn bindings<'a>(
+    device: &'a Device,
+    (stage, settings, lights): (&Stage, &HalfAngle, usize),
+    Drawn { volume, resident, optics, uploads }: &Drawn<'a, '_>,
+    interpolation: Interpolation,
+    lists: [u32; 4],
+) -> Bindings<'a> {
+    let alter = |frame: &mut uniforms::Frame| {
+        let (material, ambient) = material(stage, volume, settings, lights);
+        frame.set_material(&material, ambient);
+        frame.lists = lists;
+    };
+    let mut bindings = Bindings::new(device, resident, (stage, volume), (optics, uploads), interpolation, alter);
+    bindings.variant = Variant {
+        skip: optics.blocks.is_some(),
+        transport: optics.tables.light.transport.is_some(),
+        ..bindings.variant
+    };
+    bindings
+}
+
 impl<'a> HalfAngleSlicer<'a> {
     /// Makes pipelines and what changes with camera and light.
     ///
     /// # Errors
-    /// [`GpuError::Light`] if there is no such light or one stands in the volume, or what the device reports.
+    /// [`GpuError::Light`] if there is no such light or one stands in a volume, [`GpuError::Volumes`] if a pass cannot be
+    /// given as many volumes, or what the device reports.
     pub fn new(
         device: &'a Device,
         pipelines: &mut Pipelines,
-        resident: &'a mut Resident,
-        (stage, volume, settings): (&'a Stage, &'a StageVolume, &'a HalfAngle),
-        (optics, uploads): (&Optics, &'a Uploads),
+        (stage, settings): (&'a Stage, &'a HalfAngle),
+        drawn: Vec<Drawn<'a, '_>>,
         drawing: Drawing,
     ) -> Result<Self, GpuError> {
         let found = lights(stage, settings)?;
-        let (material, ambient) = material(stage, volume, settings, found.len());
-        let alter = |frame: &mut uniforms::Frame| frame.set_material(&material, ambient);
-        let interpolation = interpolation(device, drawing);
-        let bindings = Bindings::new(device, resident, (stage, volume), (optics, uploads), interpolation, alter);
-        let variant = |pass| {
-            let is_indirect = settings.indirect > 0.0;
+        // Where all light comes from matter, what is empty is dark.
+        let is_lit_everywhere = settings.in_scatter != InScatter::BothFromMatter;
+        let held: Vec<_> = drawn
+            .iter()
+            .map(|drawn| (drawn.volume.volume.grid(), drawn.optics.blocks.filter(|_| is_lit_everywhere)))
+            .collect();
+        let (what, interpolation) = ((stage, settings, found.len()), interpolation(device, drawing));
+        let volumes =
+            PassVolumes::new(device, drawn, |drawn, lists| bindings(device, what, drawn, interpolation, lists));
+        let mut pipeline = |pass| {
             let (scatters_direct, gated) = match settings.in_scatter {
                 InScatter::Indirect => (false, false),
                 InScatter::Direct => (true, false),
                 InScatter::DirectFromMatter | InScatter::BothFromMatter => (true, true),
             };
-            Variant {
-                pass,
-                skip: optics.blocks.is_some(),
-                indirect: is_indirect,
-                transport: optics.tables.light.transport.is_some(),
-                scatters_direct,
-                gated,
-                ..bindings.variant
-            }
+            let indirect = settings.indirect > 0.0;
+            let variant = |of| Variant { pass, indirect, scatters_direct, gated, ..of };
+            pipelines.of_layers(device, volumes.variants().map(variant).collect()).cloned()
         };
-        let light = pipelines.get(device, variant(Pass::HalfAngleLight))?.clone();
-        let presence = light.variant.gated.then(|| pipelines.get(device, variant(Pass::HalfAnglePresence)).cloned());
-        let grid = volume.volume.grid();
+        let light = pipeline(Pass::HalfAngleLight)?;
+        let presence = light.variant.gated.then(|| pipeline(Pass::HalfAnglePresence));
+        let [eye, surface] = [Pass::HalfAngleEye, Pass::HalfAngleSurface].map(&mut pipeline);
+        let grid = around(stage)?;
         let geometry = |(number, light): &(usize, ResolvedLight)| {
-            Geometry::new(stage, grid, settings, light).ok_or(LightError::Inside { light: *number })
+            Geometry::new(stage, &grid, settings, light).ok_or(LightError::Inside { light: *number })
         };
         let geometries = found.iter().map(geometry).collect::<Result<Vec<_>, _>>()?;
         let size =
             [0, 1].map(|axis| geometries.iter().map(|geometry| geometry.frame.size[axis] as u32).max().unwrap_or(1));
-        let most = if bindings.variant.kernels { MOST_RUN_OF_KERNELS } else { MOST_RUN };
+        let has_kernels = volumes.variants().any(|variant| variant.kernels);
+        let cone = into_cone(volumes.each().iter().map(|volume| &volume.volume.scattering), settings);
+        let most = if has_kernels { MOST_RUN_OF_KERNELS } else { MOST_RUN };
         let travelling = |((_, light), geometry): (&(usize, ResolvedLight), Geometry)| {
-            let what = (light, found.len());
-            let numbers = Sweep::new((stage, volume), settings, &geometry, what, Layers::sides(size));
-            // Where all light comes from matter, what is empty is dark.
-            let blocks = optics.blocks.filter(|_| settings.in_scatter != InScatter::BothFromMatter);
             let is_blurred = settings.indirect > 0.0 && taps::count(settings) > 0;
             let radius = taps::radius(settings, geometry.longest, grid.smallest_spacing());
-            let reach = if is_blurred { radius * geometry.frame.finest(grid) } else { 0.0 };
+            let reach = if is_blurred { radius * geometry.frame.finest(&grid) } else { 0.0 };
+            let sides = Layers::sides(size);
+            let numbers = |volume: &PassVolume| {
+                let what = (stage, volume.volume);
+                let sweep = Sweep::new(what, (settings, cone), &geometry, (light, found.len()), sides);
+                device.constant_buffer("sweep", bytes_of(&sweep))
+            };
             Travelling {
-                numbers: device.constant_buffer("sweep", bytes_of(&numbers)),
-                areas: Areas::new(&geometry, blocks, grid, reach),
+                numbers: volumes.each().iter().map(numbers).collect(),
+                areas: Areas::new(&geometry, &held, reach),
                 run: run_length(geometry.frame.size.iter().product()).min(most).min(geometry.slabs.count as u32),
                 geometry,
             }
         };
         let lights = found.iter().zip(geometries).map(travelling).collect();
+        let (chromatic, layered) = (stage.holds_back_each_color(), stage.has_layers());
         Ok(Self {
             lights,
             size,
             presence: presence.transpose()?,
-            eye: pipelines.get(device, variant(Pass::HalfAngleEye))?.clone(),
-            surface: pipelines.get(device, variant(Pass::HalfAngleSurface))?.clone(),
-            resolve: pipelines
-                .get(device, Variant { chromatic: stage.holds_back_each_color(), ..Variant::of(Pass::Resolve) })?
-                .clone(),
+            eye: eye?,
+            surface: surface?,
+            resolve: pipelines.get(device, Variant { chromatic, layered, ..Variant::of(Pass::Resolve) })?.clone(),
             device,
-            resident,
+            volumes,
             stage,
-            bindings,
             settings,
             light,
         })
@@ -210,14 +233,14 @@ impl<'a> HalfAngleSlicer<'a> {
         control: &Control,
         picture: &mut Picture,
     ) -> Result<(), GpuError> {
-        let Window { low: [column, first], size: [width, height] } = self.bindings.window;
+        let Window { low: [column, first], size: [width, height] } = self.volumes.first().bindings.window;
         let subs = self.stage.quality.supersampling.pow(2);
         let mut busy = timer.map(|_| 0.0);
         let most = self.lights.iter().map(Travelling::layers).max().unwrap_or(1);
         let layers = Layers::kept(&mut kept.layers, self.device, self.size, most);
         let (mut row, end) = (first, if width == 0 { first } else { first + height });
         while row < end {
-            let rows = self.resident.plan.rows.min(end - row);
+            let rows = self.volumes.most_rows().min(end - row);
             let targets = {
                 let shape = (picture.width, self.stage.holds_back_each_color());
                 Targets::kept(slot, self.device, shape, [width, rows])
@@ -258,26 +281,24 @@ impl<'a> HalfAngleSlicer<'a> {
         let looks = (0..runs).map(|run| eye_pass(light, run, place, number == 0));
         let surface = EyeBounds { rows: place, ..EyeBounds::default() };
         let looks = BoundsBuffer::new(self.device, looks.chain([surface]));
-        let brick = self.resident.bricks[0];
-        let textures = self.resident.textures(self.device, &brick, control)?;
         let light = &self.lights[number];
-        let bound = |pipeline, bounds, own: &[Named]| self.bindings.bound(pipeline, bounds, own, &textures);
-        let numbers = ("sweep", light.numbers.as_entire_binding());
+        let numbers: Vec<_> = light.numbers.iter().map(|numbers| ("sweep", numbers.as_entire_binding())).collect();
+        let volumes = &mut self.volumes;
+        let mut bound = |pipeline, bounds, own: &[Named]| volumes.bound(pipeline, bounds, (own, &numbers), control);
         let held = ("held", BindingResource::TextureView(&layers.held));
-        let advance: Vec<_> = (0..light.layers())
+        let advance = (0..light.layers())
             .map(|layer| {
                 let [[before, _], [_, behind]] =
                     [layer, (layer + 1) % light.layers()].map(|layer| &layers.each[layer as usize]);
                 let [before, behind] = [before, behind].map(BindingResource::TextureView);
-                bound(&self.light, &passes, &[numbers.clone(), held.clone(), ("lost", before), ("next", behind)])
+                bound(&self.light, &passes, &[held.clone(), ("lost", before), ("next", behind)])
             })
-            .collect();
-        let presence =
-            self.presence.as_ref().map(|presence| bound(presence, &passes, &[numbers.clone(), held.clone()]));
+            .collect::<Result<Vec<_>, _>>()?;
+        let presence = self.presence.as_ref().map(|presence| bound(presence, &passes, &[held.clone()])).transpose()?;
         let states = ("states", targets.states());
         let all = ("lost", BindingResource::TextureView(&layers.all));
-        let eye = bound(&self.eye, &looks, &[states.clone(), numbers.clone(), all]);
-        let surface = bound(&self.surface, &looks, &[states, numbers]);
+        let eye = bound(&self.eye, &looks, &[states.clone(), all])?;
+        let surface = bound(&self.surface, &looks, &[states])?;
         let pixels = [targets.width, rows, 1];
         let [width, height] = light.size();
         let mut busy = Some(0.0);
@@ -338,7 +359,7 @@ impl<'a> HalfAngleSlicer<'a> {
         let pass = RayBounds { rows: Rows::of([row, rows, sub]), ..RayBounds::default() };
         let passes = BoundsBuffer::new(self.device, [pass]);
         let own = [("states", targets.states()), ("pixels", targets.pixels.as_entire_binding())];
-        let group = self.bindings.frame_group(&self.resolve.groups, &passes, &own);
+        let group = self.volumes.frame_group(&self.resolve.groups, &passes, &own);
         let mut encoder =
             self.device.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("half-angle") });
         let size = [targets.width, rows, 1];

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use pellucid_field::Grid;
 use pellucid_optics::ResolvedLight;
-use pellucid_plan::half_angle::{Geometry, Ways, into_cone, taps};
+use pellucid_plan::half_angle::{Geometry, Ways, taps};
 use pellucid_scene::{BlurScaling, HalfAngle, InScatter, LightCorrection, Stage, StageVolume};
 
 use crate::four::Four;
@@ -39,10 +39,11 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Of a light among so many, in layers with sides of so many texels.
+    /// Of a light among so many, as it passes one of the stage's volumes, in layers with sides of so many texels;
+    /// direct light is scattered into the cone with weights.
     pub fn new(
         (stage, volume): (&Stage, &StageVolume),
-        settings: &HalfAngle,
+        (settings, [r, g, b]): (&HalfAngle, [f32; 3]),
         geometry: &Geometry,
         (light, lights): (&ResolvedLight, usize),
         sides: [u32; 2],
@@ -53,11 +54,11 @@ impl Sweep {
         let Geometry { frame, slabs, ways, longest, .. } = geometry;
         let across = grid.world_from_index().matrix3.transpose() * slabs.axis / slabs.thickness;
         sweep.slabs = four(across, slabs.coordinate(grid.world_from_index().translation));
-        [sweep.texel_x, sweep.texel_y, sweep.depth] = frame.rows;
+        [sweep.texel_x, sweep.texel_y, sweep.depth] = frame.on(grid).rows;
         let (low, texel) = (frame.low.as_vec2(), frame.texel.as_vec2());
         sweep.plane = [low.x, low.y, texel.x, texel.y];
         let step = stage.step as f32;
-        let voxel = grid.smallest_spacing();
+        let voxel = geometry.grid.smallest_spacing();
         let radius = |path: f64| taps::radius(settings, path, voxel);
         match *ways {
             Ways::Same(steps) => {
@@ -72,7 +73,6 @@ impl Sweep {
             }
         }
         sweep.scales = [settings.direct, settings.indirect, settings.initial_indirect, lights as f32];
-        let [r, g, b] = into_cone(std::iter::once(&volume.scattering), settings);
         sweep.cone = [r, g, b, 0.0];
         let turn = TAU / f64::from(taps::count(settings).max(1));
         sweep.taps = [turn.cos() as f32, turn.sin() as f32, 1.0 / sides[0] as f32, 1.0 / sides[1] as f32];

@@ -185,6 +185,12 @@ var<private> bounds: Bounds;
 fn load_frame() {
 #ifdef LOADED_CONSTANTS
     frame = stored_frame;
+#endif
+}
+
+// Likewise; several volumes have the bounds of the first.
+fn load_bounds() {
+#ifdef LOADED_CONSTANTS
     bounds = stored_bounds;
 #endif
 }

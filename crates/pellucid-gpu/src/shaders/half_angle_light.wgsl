@@ -2,15 +2,12 @@
 // into its cone. The pass: the slab; the first tap of the blur; from which texel on to which light is passed, as it
 // is lost in there and matters to anything.
 #import pellucid::frame::bounds
-#import pellucid::sweep::{light_ray, load_sweep, loss, loss_at, passage_of, in_picture, sweep}
-#import pellucid::slab::matter_of
+#import pellucid::slabs::{held_back, load_constants}
+#import pellucid::sweep::{light_ray, loss, loss_at, in_picture, sweep}
 #ifdef GATED
 #import pellucid::sweep::between
 #endif
-#import pellucid::table::{each_color, each_opacity, opacity_over}
-#ifdef TRANSPORT
-#import pellucid::scatter::transported
-#endif
+#import pellucid::table::{each_color, each_opacity}
 
 // What is lost behind the slab.
 @group(0) @binding(21) var next: texture_storage_2d<rgba32float, write>;
@@ -39,29 +36,21 @@ fn held_at(place: vec2<f32>) -> f32 {
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
-    load_sweep();
+    load_constants();
     let id = invocation.xy + bounds.low;
     if any(id >= bounds.high) {
         return;
     }
-    let ray = light_ray(id);
-    let passage = passage_of(ray, bounds.slab.x);
-    let matter = matter_of(passage);
-    let alpha = opacity_over(matter.color.a, passage.ratio);
+    let opacity = held_back(id, bounds.slab.x);
     let lost = loss_at(0u, vec2<i32>(id));
     var left = vec4<f32>(vec3<f32>(sweep.scales.z), 1.0) - lost;
-    let direct = left.a * (1.0 - alpha);
+    let direct = left.a * (1.0 - opacity.direct);
 #ifdef INDIRECT
-    var opacity = each_opacity(alpha);
-#ifdef TRANSPORT
-    if matter.color.a > 0.0 {
-        opacity = 1.0 - transported(passage.position, matter.value, passage.ratio);
-    }
-#endif
     var middle = vec2<f32>(id) + 0.5;
     var radius = sweep.blur.xy;
     if sweep.ways.w != 0.0 {
         // The way grows towards the picture's rim, and texels with the distance.
+        let ray = light_ray(id);
         let p = ray.origin + ray.direction * bounds.slab.y;
         var path = ray.stretch * sweep.ways.z;
         if sweep.blur.y != 0.0 {
@@ -91,10 +80,10 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     }
     left += difference / count;
 #endif
-    var indirect = left.rgb * (1.0 - opacity);
+    var indirect = left.rgb * (1.0 - opacity.indirect);
 #ifdef SCATTERS_DIRECT
     // What becomes indirect light on the way loses the rest of it as such.
-    indirect += max(each_opacity(alpha) - opacity, vec3<f32>(0.0)) * sweep.cone.rgb * each_color(left.a);
+    indirect += max(each_opacity(opacity.direct) - opacity.indirect, vec3<f32>(0.0)) * sweep.cone.rgb * each_color(left.a);
 #endif
     let behind = vec4<f32>(vec3<f32>(sweep.scales.z) - indirect, 1.0 - direct);
 #else

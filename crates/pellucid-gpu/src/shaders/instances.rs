@@ -3,17 +3,23 @@
 use std::borrow::Cow;
 
 /// Modules that all layers share; of every other one each layer has its own, as `pellucid::of0::field`.
-const SHARED: [&str; 16] = [
+const SHARED: &[&str] = &[
     "lists",
     "way",
     "cursor",
+    "passage",
     "across",
     "count",
     "each",
     "each_hit",
+    "every_line",
+    "every_slab_light",
     "merge",
     "ways",
     "slice_nodes",
+    "slabs",
+    "line",
+    "look",
     "random",
     "flight",
     "each_path",
@@ -190,6 +196,79 @@ fn choices(layers: usize, module: &str, functions: &[(&str, &str, &str)]) -> Str
     (0..layers.max(1)).map(import).chain(functions.iter().map(function)).collect()
 }
 
+/// What tells of the eye's rays, and of what lies in slabs there, in all of so many layers.
+pub fn every_line(layers: usize) -> String {
+    let functions = [
+        ("layer", "way_of", "all_ways", "at: vec2<f32>", "Way"),
+        ("eye", "line_along", "all_lines", "each way: Way, each length: f32, jitter: f32", "Line"),
+        ("eye", "clear_slabs", "all_clear", "each line: Line, slab: f32", "f32"),
+        ("slab", "matter_of", "all_matter", "each passage: Passage", "Matter"),
+    ];
+    let imports = "#import pellucid::passage::{Line, Matter, Passage}\n#import pellucid::way::Way\n";
+    format!("#define_import_path pellucid::every_line\n{imports}{}", all(layers, &functions))
+}
+
+/// What tells of the light that all of so many layers send to the eye from a slab.
+pub fn every_slab_light(layers: usize) -> String {
+    let sample = "each way: Way, each passage: Passage, each matter: Matter";
+    let seen = format!("{sample}, each lost: vec4<f32>, each left: Shares");
+    let functions = [
+        ("slab_light", "texel_of", "all_texels", "each passage: Passage", "vec2<f32>"),
+        ("slab_light", "steps_inside", "all_steps_inside", "each passage: Passage, slab: f32", "f32"),
+        ("slab_light", "passing", "all_passing", "each passage: Passage, each matter: Matter, steps: f32", "Shares"),
+        ("slab_light", "seen", "all_seen", &seen, "vec4<f32>"),
+    ];
+    let imports = "#import pellucid::passage::{Matter, Passage, Shares}\n#import pellucid::way::Way\n";
+    format!("#define_import_path pellucid::every_slab_light\n{imports}{}", all(layers, &functions))
+}
+
+/// Functions that call those of modules of all of so many layers: by modules, names there, names, parameters and types.
+/// A parameter that is `each` layer's is a list, and so is what they give.
+fn all(layers: usize, functions: &[(&str, &str, &str, &str, &str)]) -> String {
+    let mut modules: Vec<&str> = functions.iter().map(|(module, ..)| *module).collect();
+    modules.dedup();
+    let import = |(module, k): (&str, usize)| format!("#import pellucid::of{k}::{module} as {module}_of{k}\n");
+    let imports: String =
+        modules.into_iter().flat_map(|module| (0..layers).map(move |k| (module, k))).map(import).collect();
+    let function = |(module, of_layer, name, parameters, gives): &(&str, &str, &str, &str, &str)| {
+        let parameters: Vec<_> = parameters.split(", ").filter_map(|one| one.split_once(": ")).collect();
+        let taken = |(parameter, ty): &(&str, &str)| match parameter.strip_prefix("each ") {
+            Some(own) => format!("{own}: array<{ty}, COUNT>"),
+            None => format!("{parameter}: {ty}"),
+        };
+        let passed = |parameter: &str, k: usize| match parameter.strip_prefix("each ") {
+            Some(own) => format!("{own}[{k}]"),
+            None => parameter.to_owned(),
+        };
+        let call = |k: usize| {
+            let passed: Vec<_> = parameters.iter().map(|(parameter, _)| passed(parameter, k)).collect();
+            format!("{module}_of{k}::{of_layer}({})", passed.join(", "))
+        };
+        let taken = parameters.iter().map(taken).collect::<Vec<_>>().join(", ");
+        let calls = (0..layers).map(call).collect::<Vec<_>>().join(", ");
+        format!("fn {name}({taken}) -> array<{gives}, COUNT> {{\n    return array<{gives}, COUNT>({calls});\n}}\n")
+    };
+    format!("#import pellucid::count::COUNT\n{imports}{}", functions.iter().map(function).collect::<String>())
+}
+
+/// What so many layers hold back of light in slabs; `roots` are their modules' own.
+pub fn slabs(roots: &[String]) -> String {
+    let import = |(k, root): (usize, &String)| {
+        format!("#import {root}::sweep as sweep_of{k}\n#import {root}::slab as slab_of{k}\n")
+    };
+    let imports: String = roots.iter().enumerate().map(import).collect();
+    let loads: String = (0..roots.len()).map(|k| format!("    sweep_of{k}::load_sweep();\n")).collect();
+    let call = |k: usize| format!("slab_of{k}::held_back(texel, slab)");
+    let all = (1..roots.len()).fold(call(0), |all, k| format!("joined({all}, {})", call(k)));
+    format!(
+        "#define_import_path pellucid::slabs\n#import {}::frame as frame_of0\n{imports}\
+         #import pellucid::passage::{{Shares, joined}}\n\
+         fn load_constants() {{\n    frame_of0::load_bounds();\n{loads}}}\n\
+         fn held_back(texel: vec2<u32>, slab: f32) -> Shares {{\n    return {all};\n}}\n",
+        roots[0]
+    )
+}
+
 /// What so many layers leave of a light on its way to a position of the world.
 pub fn across(layers: usize) -> String {
     let imports = |k: usize| {
@@ -217,5 +296,14 @@ mod tests {
                    #import pellucid::way::Way\n#ifdef HOLES_OF_1\n#else ifndef LAYERED\n#endif\n\
                    @group(1) @binding(34) var x: f32;\n";
         assert_eq!(text_of(text, 1), own);
+    }
+
+    #[test]
+    fn functions_over_all_layers_ask_each_for_its_own() {
+        let text = "#import pellucid::count::COUNT\n\
+                    #import pellucid::of0::eye as eye_of0\n#import pellucid::of1::eye as eye_of1\n\
+                    fn all_clear(line: array<Line, COUNT>, slab: f32) -> array<f32, COUNT> {\n    \
+                    return array<f32, COUNT>(eye_of0::clear(line[0], slab), eye_of1::clear(line[1], slab));\n}\n";
+        assert_eq!(all(2, &[("eye", "clear", "all_clear", "each line: Line, slab: f32", "f32")]), text);
     }
 }

@@ -2,7 +2,7 @@
 #define_import_path pellucid::layer
 
 #import pellucid::way::Way
-#import pellucid::ray::{Ray, beam_of, nonzeros, span_of, FAR}
+#import pellucid::ray::{beam_of, ray_along, span_of, FAR}
 #import pellucid::field::field_value
 #import pellucid::table::over_length
 #import pellucid::vary::varied
@@ -25,16 +25,6 @@ fn way_of(at: vec2<f32>) -> Way {
 
 fn position(way: Way, distance: f32) -> vec3<f32> {
     return way.origin + way.direction * (distance - way.ends.x);
-}
-
-// What of a ray its samples ask for.
-fn ray_along(way: Way) -> Ray {
-    var ray: Ray;
-    ray.origin = way.origin;
-    ray.direction = way.direction;
-    ray.inverse = 1.0 / nonzeros(way.direction);
-    ray.to_eye = way.to_eye;
-    return ray;
 }
 
 // How many steps from a distance on nothing can be seen, or a little less.

@@ -1,13 +1,14 @@
 // The light at the points of a light volume that lie in a run of slabs (6.1-2): between the layers in front of and
 // behind a point.
 #import pellucid::frame::{bounds, frame}
-#import pellucid::sweep::{in_picture, layer_of, load_sweep, loss, sweep}
+#import pellucid::slabs::load_constants
+#import pellucid::sweep::{in_picture, layer_of, loss, sweep}
 
 @group(0) @binding(23) var points: texture_storage_3d<r32float, write>;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    load_sweep();
+    load_constants();
     if any(id >= bounds.size) {
         return;
     }

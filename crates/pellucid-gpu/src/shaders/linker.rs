@@ -1,5 +1,6 @@
 //! Shaders put together from their files.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
@@ -7,10 +8,11 @@ use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescript
 use wgpu::naga::Module;
 use wgpu::naga::compact::{KeepUnused, compact};
 
-use super::instances::{across, count, each, each_hit, each_path, every, is_shared, text_of};
+use super::instances::{
+    across, count, each, each_hit, each_path, every, every_line, every_slab_light, is_shared, slabs, text_of,
+};
 use super::pass::{
-    APART, HITS, ISOSURFACES, LAYER, LAYERS, MERGE, PART, SHARED, SIGHTS, SLICE_LAYERS, SLICE_LAYERS_PIXELS,
-    SLICE_NODES, TOGETHER, WAYS, Wgsl,
+    APART, ISOSURFACES, LAYERS, MERGE, OF_ALL, OF_EACH, OF_ONE, SHARED, SLICE_LAYERS, SLICE_LAYERS_PIXELS, Wgsl,
 };
 use super::{Constants, Pass, Traversal, Variant, defines};
 use crate::GpuError;
@@ -35,33 +37,24 @@ impl Linker {
     pub fn link(&mut self, layers: &[Variant], constants: Constants) -> Result<Module, GpuError> {
         let failed = |message: String| GpuError::Shader { variant: format!("{layers:?}"), message };
         let variant = &layers[0];
-        let (composer, entry, text) = if variant.is_of_several() {
+        let (composer, name, text) = if variant.is_of_several() {
             let (composers, files): (_, fn(usize) -> _) = match variant.pass {
                 Pass::Apart => (&mut self.apart, merging),
                 _ => (&mut self.together, of_layers),
             };
-            let entry = entry_of_several(variant);
-            // One file follows paths through any number of volumes: what is no volume's own is asked of the first.
-            let text = if variant.pass.traces() { text_of(entry.text, 0) } else { entry.text.to_owned() };
+            let (name, text) = entry_of_several(variant);
             let composer = match composers.entry(layers.len()) {
                 Entry::Occupied(found) => found.into_mut(),
                 Entry::Vacant(place) => place.insert(composer(files(layers.len())).map_err(failed)?),
             };
-            (composer, entry, text)
+            (composer, name, text)
         } else {
             let (entry, mode) = variant.pass.files(variant.traversal);
             let composer = match self.composers.entry(mode.as_ref().map(|mode| mode.name)) {
                 Entry::Occupied(found) => found.into_mut(),
-                Entry::Vacant(place) => {
-                    let files = SHARED.iter().chain(&mode).map(|file| (file.name, file.text.to_owned()));
-                    // What only layers import has to be there all the same.
-                    let none = std::iter::once(("across", across(0)));
-                    let files = none.chain(files).chain([("each_path", each_path(0))]);
-                    place.insert(composer(files).map_err(failed)?)
-                }
+                Entry::Vacant(place) => place.insert(composer(of_one(mode.as_ref())).map_err(failed)?),
             };
-            let text = entry.text.to_owned();
-            (composer, entry, text)
+            (composer, entry.name, Cow::Borrowed(entry.text))
         };
         let mut defines = defines(layers);
         if constants == Constants::Stored {
@@ -71,7 +64,7 @@ impl Linker {
             }
         }
         let module =
-            NagaModuleDescriptor { source: &text, file_path: entry.name, shader_defs: defines, ..Default::default() };
+            NagaModuleDescriptor { source: &text, file_path: name, shader_defs: defines, ..Default::default() };
         let made = composer.make_naga_module(module);
         let mut made = made.map_err(|error| failed(error.emit_to_string(composer)))?;
         // What is left is what the pass uses.
@@ -82,19 +75,30 @@ impl Linker {
 
 type Files = Vec<(&'static str, String)>;
 
-/// The file with the entry point of a pass over several volumes.
-fn entry_of_several(variant: &Variant) -> Wgsl {
-    match (variant.pass, variant.traversal) {
+/// The file with the entry point of a pass over several volumes: its name and its text.
+fn entry_of_several(variant: &Variant) -> (&'static str, Cow<'static, str>) {
+    let own = match (variant.pass, variant.traversal) {
         (Pass::Apart, _) => APART,
-        (Pass::PathTrace | Pass::PathTracePixels, _) => {
-            let (entry, _) = variant.pass.files(Traversal::Rays);
-            entry
-        }
         (_, Traversal::Slices) => SLICE_LAYERS,
         (_, Traversal::SlicePixels) => SLICE_LAYERS_PIXELS,
         (Pass::Isosurface, Traversal::Rays) => ISOSURFACES,
+        (pass, Traversal::Rays) if pass.sweeps() || pass.traces() => {
+            // One file goes through any number of volumes: what is no volume's own is asked of the first.
+            let (entry, _) = pass.files(Traversal::Rays);
+            return (entry.name, text_of(entry.text, 0).into());
+        }
         (_, Traversal::Rays) => LAYERS,
-    }
+    };
+    (own.name, own.text.into())
+}
+
+/// The files of one volume, with one that the pass imports under a name that several files go by.
+fn of_one(mode: Option<&Wgsl>) -> Files {
+    let own = |file: &Wgsl| (file.name, file.text.to_owned());
+    let asked = [("each_path", each_path(0)), ("slabs", slabs(&["pellucid".to_owned()]))];
+    // What only layers import has to be there all the same.
+    let none = std::iter::once(("across", across(0)));
+    none.chain(SHARED.iter().chain(mode).map(own)).chain(asked).chain(OF_ONE.iter().map(own)).collect()
 }
 
 /// The files of so many layers that are followed together.
@@ -103,17 +107,19 @@ fn of_layers(layers: usize) -> Files {
         let across = (file.name == "shadow").then(|| ("across", across(layers)));
         of_each(file, layers).into_iter().chain(across).collect::<Vec<_>>()
     };
-    let files = SHARED.iter().chain([&LAYER, &HITS, &PART]).flat_map(own);
-    let choosing = [
+    let files = SHARED.iter().chain(&OF_EACH).flat_map(own);
+    let roots: Vec<_> = (0..layers).map(|k| format!("pellucid::of{k}")).collect();
+    let asked = [
         ("each", each(layers)),
         ("each_hit", each_hit(layers)),
         ("each_path", each_path(layers)),
         ("every", every(layers)),
+        ("every_line", every_line(layers)),
+        ("every_slab_light", every_slab_light(layers)),
+        ("slabs", slabs(&roots)),
     ];
-    let last = choosing
-        .into_iter()
-        .chain([MERGE, WAYS, SLICE_NODES, TOGETHER, SIGHTS].map(|file| (file.name, file.text.to_owned())));
-    std::iter::once(("count", count(layers))).chain(files).chain(last).collect()
+    let last = OF_ALL.map(|file| (file.name, file.text.to_owned()));
+    std::iter::once(("count", count(layers))).chain(files).chain(asked).chain(last).collect()
 }
 
 /// What merges so many layers: files of the first, which are those of all.

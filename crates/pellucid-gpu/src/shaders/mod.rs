@@ -198,8 +198,9 @@ impl Variant {
         self.scattered = (self.scattered && clouds && reads) || matches!(self.pass, HalfAngleEye | PathTrace);
         self.indirect &= matches!(self.pass, HalfAngleLight | HalfAngleEye);
         self.transport &= self.indirect;
-        // On the way to the eye's samples only what has a transport of its own becomes more.
-        let becomes_indirect = self.pass == HalfAngleLight || (self.pass == HalfAngleEye && self.transport);
+        // On the way to the eye's samples only what has a transport of its own becomes more, in any of the volumes.
+        let becomes_more = self.transport || self.layered;
+        let becomes_indirect = self.pass == HalfAngleLight || (self.pass == HalfAngleEye && becomes_more);
         self.scatters_direct &= self.indirect && becomes_indirect;
         self.gated &= self.scatters_direct && self.pass == HalfAngleLight;
         // Light meets the whole volume, along rays that the eye's rays ask for.

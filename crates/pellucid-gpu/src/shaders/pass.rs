@@ -16,6 +16,7 @@ macro_rules! wgsl {
 pub(super) const SHARED: &[Wgsl] = &[
     wgsl!("frame"),
     wgsl!("lists"),
+    wgsl!("way"),
     wgsl!("ray"),
     wgsl!("kernel"),
     wgsl!("noise"),
@@ -37,7 +38,6 @@ pub(super) const SHARED: &[Wgsl] = &[
     wgsl!("preclassify"),
     wgsl!("classified"),
     wgsl!("integrals"),
-    wgsl!("way"),
     wgsl!("cursor"),
     wgsl!("crossing"),
     wgsl!("slices"),
@@ -45,9 +45,11 @@ pub(super) const SHARED: &[Wgsl] = &[
     wgsl!("pixel"),
     wgsl!("sliced"),
     wgsl!("window"),
+    wgsl!("passage"),
     wgsl!("sweep"),
     wgsl!("slab"),
     wgsl!("eye"),
+    wgsl!("slab_light"),
     wgsl!("random"),
     wgsl!("flight"),
     wgsl!("paths"),
@@ -56,15 +58,25 @@ pub(super) const SHARED: &[Wgsl] = &[
     wgsl!("sky"),
 ];
 
-/// What several volumes in one pass have besides: what each of them is asked, and what all of them are together.
-pub(super) const LAYER: Wgsl = wgsl!("layer");
-pub(super) const HITS: Wgsl = wgsl!("hits");
-pub(super) const PART: Wgsl = wgsl!("part");
+/// What the eye is told of slabs by one volume; several tell it together.
+pub(super) const OF_ONE: [Wgsl; 2] = [wgsl!("line_of_one"), wgsl!("look_of_one")];
+
+/// What several volumes in one pass have besides: what each of them is asked.
+pub(super) const OF_EACH: [Wgsl; 3] = [wgsl!("layer"), wgsl!("hits"), wgsl!("part")];
+
+/// What they are together; each only from those above it.
+pub(super) const OF_ALL: [Wgsl; 7] = [
+    MERGE,
+    wgsl!("ways"),
+    wgsl!("slice_nodes"),
+    wgsl!("together"),
+    wgsl!("sights"),
+    wgsl!("line_of_several"),
+    wgsl!("look_of_several"),
+];
 pub(super) const MERGE: Wgsl = wgsl!("merge");
-pub(super) const WAYS: Wgsl = wgsl!("ways");
-pub(super) const SLICE_NODES: Wgsl = wgsl!("slice_nodes");
-pub(super) const TOGETHER: Wgsl = wgsl!("together");
-pub(super) const SIGHTS: Wgsl = wgsl!("sights");
+
+/// Passes over several volumes that have files of their own.
 pub(super) const LAYERS: Wgsl = wgsl!("layers");
 pub(super) const ISOSURFACES: Wgsl = wgsl!("isosurfaces");
 pub(super) const APART: Wgsl = wgsl!("apart");
@@ -179,7 +191,10 @@ impl Pass {
 
     /// Whether it follows rays, or paths, through several volumes together.
     pub fn follows_together(self) -> bool {
-        matches!(self, Self::Composite | Self::CompositePre | Self::PreIntegrated | Self::Isosurface) || self.traces()
+        use Pass::*;
+        let is_of_rays = matches!(self, Composite | CompositePre | PreIntegrated | Isosurface);
+        let is_of_slabs = matches!(self, HalfAngleLight | HalfAnglePresence | HalfAngleEye | HalfAngleSurface);
+        is_of_rays || is_of_slabs || self.traces()
     }
 
     /// Whether it follows rays through each of several volumes by itself: what it makes of a ray has no place on it.

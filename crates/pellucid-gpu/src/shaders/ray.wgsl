@@ -4,6 +4,7 @@
 
 #import pellucid::frame::frame
 #import pellucid::lists::planes
+#import pellucid::way::Way
 
 @group(0) @binding(3) var blue_noise: texture_2d<f32>;
 
@@ -169,6 +170,16 @@ fn ray_of(pixel: vec2<u32>, sub: u32) -> Ray {
     ray.count = select(0.0, count, t0 < t1);
     ray.last_ratio = min(whole - (count - 1.0), 1.0);
     ray.jitter = jitter_of(pixel, sub);
+    return ray;
+}
+
+// What of a ray its samples ask for.
+fn ray_along(way: Way) -> Ray {
+    var ray: Ray;
+    ray.origin = way.origin;
+    ray.direction = way.direction;
+    ray.inverse = 1.0 / nonzeros(way.direction);
+    ray.to_eye = way.to_eye;
     return ray;
 }
 

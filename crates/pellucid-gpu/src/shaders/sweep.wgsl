@@ -4,6 +4,7 @@
 
 #import pellucid::frame::{frame, load_frame, Run}
 #import pellucid::lists::Light
+#import pellucid::passage::Crossing
 #ifdef HARDWARE
 #import pellucid::field::linear
 #endif
@@ -66,39 +67,6 @@ fn load_sweep() {
 // What light has lost so far, in layers of texels: of indirect light in rgb, of direct light in a. Zeros are light
 // as it enters, and so is the rim around the picture, a texel wide: nothing is lost beside it.
 @group(0) @binding(18) var lost: texture_2d_array<f32>;
-
-// Less of a slab is lost in the rounding of coordinates.
-const SHORTEST: f32 = 1e-6;
-
-// A ray as it crosses slabs, in the order of their numbers.
-struct Crossing {
-    // Voxels at coordinate 0 of the slabs, and per slab.
-    origin: vec3<f32>,
-    direction: vec3<f32>,
-    // Coordinates between which it is in the field.
-    ends: vec2<f32>,
-    // Steps per slab.
-    stretch: f32,
-    // Where in a segment its sample lies.
-    jitter: f32,
-}
-
-// What a ray passes of a slab.
-struct Passage {
-    // Coordinate of the sample, its position in voxels, and the segment's length in steps; 0 if there is none.
-    place: f32,
-    position: vec3<f32>,
-    ratio: f32,
-}
-
-fn passage_of(crossing: Crossing, slab: f32) -> Passage {
-    let enter = max(slab, crossing.ends.x);
-    let leave = min(slab + 1.0, crossing.ends.y);
-    let length = max(leave - enter, 0.0);
-    let place = min(enter, crossing.ends.y) + crossing.jitter * length;
-    let position = crossing.origin + crossing.direction * place;
-    return Passage(place, position, select(0.0, length * crossing.stretch, length > SHORTEST));
-}
 
 // Where a texel's ray of light crosses the light's plane.
 fn on_plane(texel: vec2<f32>) -> vec2<f32> {

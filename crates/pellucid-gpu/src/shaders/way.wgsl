@@ -1,4 +1,4 @@
-// A ray in one of several volumes.
+// A ray in a volume, which may be one of several.
 #define_import_path pellucid::way
 
 struct Way {

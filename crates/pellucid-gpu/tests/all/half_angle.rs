@@ -15,7 +15,7 @@ use pellucid_scene::{Control, Frame, Stage};
 const ROUNDING: f32 = 5e-5;
 
 /// Lights in front of the volume, beside it, behind it, and near it.
-const LIGHTS: [(&str, &str); 5] = [
+pub const LIGHTS: [(&str, &str); 5] = [
     ("front", "directional.direction = [0.3, 1.0, -0.4]"),
     ("side", "directional.direction = [1.0, 0.05, -0.3]"),
     ("back", "directional.direction = [-0.2, -1.0, -0.2]"),
@@ -64,8 +64,12 @@ fn of_cpu(stage: &Stage) -> Frame {
 
 /// Draws with both backends and compares.
 fn agree(volume: &Arc<Volume>, document: &Document, what: &str) -> (Frame, Frame) {
-    let stage = document.stage(volume);
-    let (expected, found) = (of_cpu(&stage), draw(&mut gpu(&Ceiling::default()), &stage));
+    are_alike(&mut gpu(&Ceiling::default()), &document.stage(volume), what)
+}
+
+/// Draws a stage with both backends and compares.
+pub fn are_alike(renderer: &mut GpuRenderer, stage: &Stage, what: &str) -> (Frame, Frame) {
+    let (expected, found) = (of_cpu(stage), draw(renderer, stage));
     let apart = difference(&expected, &found);
     let brightest = expected.color.as_flattened().iter().copied().fold(0.0, f32::max);
     let pairs = expected.color.as_flattened().iter().zip(found.color.as_flattened());

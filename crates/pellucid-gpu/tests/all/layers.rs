@@ -1,5 +1,7 @@
 //! Several volumes in one picture: held to closed forms, and to the CPU backend.
 
+mod half_angle;
+
 use std::sync::Arc;
 
 use crate::common::{LEVEL, difference, draw, gpu, sample};
@@ -193,9 +195,6 @@ fn colored_voxels_are_those_of_the_cpu() {
         let two = [one[0].clone(), (ball.clone(), BALL)];
         for layers in [&one[..], &two] {
             let stage = layered(layers, &rest, [40, 36]);
-            if layers.len() > 1 && stage.half_angle().is_some() {
-                continue;
-            }
             assert!(stage.volumes[0].colors.is_some());
             let (expected, found) = (by_cpu(&stage), draw(&mut renderer, &stage));
             let pairs = || expected.color.as_flattened().iter().zip(found.color.as_flattened());
@@ -267,6 +266,22 @@ fn neither_the_order_of_the_list_nor_turns_change_a_bit() {
         let [a, b, c] = layers.clone();
         assert!(bits(&mut renderer, &[c, a, b]) == first, "the order changes the picture of {rest}");
         assert!(bits(&mut turns, &layers) == first, "turns change the picture of {rest}");
+    }
+}
+
+#[test]
+fn lights_that_are_faces_are_lacking_for_several_volumes_too() {
+    let [ball, waves] = turned();
+    let face = "lights = [{ kind.rectangle = { center = [-6, -9, 12], edges = [[0, 24, 0], [16, 0, 12]] } }]\n";
+    let surfaces = "[technique.ray_cast.mode.isosurface]\nisovalues = [{ value = 0.6 }]\n";
+    let lacks = |technique: &str, lights: &str| {
+        let layers = [(ball.clone(), BALL), (waves.clone(), WAVES)];
+        GpuRenderer::lacks(&layered(&layers, &format!("{technique}[lighting]\n{lights}"), [8, 8]))
+    };
+    for technique in ["", surfaces, "[technique.half_angle]\n"] {
+        let told = lacks(technique, face);
+        assert!(told.as_ref().is_some_and(|what| what.contains("rectangle")), "{technique}: {told:?}");
+        assert_eq!(lacks(technique, LIGHTS), None, "{technique}");
     }
 }
 

@@ -8,12 +8,11 @@ use pellucid::{Backend, CpuRenderer, Renderer};
 
 use crate::scenes::{difference, draw, folder, gpu, name_of, scenes, stage};
 
-/// Whether a scene must look the same on both backends. What only one of them draws (slices, and half-angle light
-/// through several volumes) is compared with its stored picture, and paths of light differ by their noise, which tests of
-/// that backend know how to judge: their names tell, so that a scene which a backend refuses by mistake is not passed
-/// over.
+/// Whether a scene must look the same on both backends. What only one of them draws (slices) is compared with its stored
+/// picture, and paths of light differ by their noise, which tests of that backend know how to judge: their names tell, so
+/// that a scene which a backend refuses by mistake is not passed over.
 fn for_both(name: &str) -> bool {
-    !["slicing-", "path-trace-", "layers-half-angle"].iter().any(|technique| name.starts_with(technique))
+    !["slicing-", "path-trace-"].iter().any(|technique| name.starts_with(technique))
 }
 
 /// Draws every scene on both backends; returns what exceeds the bounds.

@@ -1,0 +1,67 @@
+// What the eye sees of a slab through several volumes: as `Eye::together` of the CPU backend. Light comes to the samples of
+// each through all that is there.
+#define_import_path pellucid::look
+
+#import pellucid::of0::frame::bounds
+#import pellucid::of0::sweep::{layer_of, loss, sweep}
+#import pellucid::of0::table::opacity_over
+#import pellucid::count::COUNT
+#import pellucid::every_line::all_matter
+#import pellucid::every_slab_light::{all_passing, all_seen, all_steps_inside, all_texels}
+#import pellucid::line::{Lines, passages_of}
+#import pellucid::merge::added
+#import pellucid::passage::{Look, Matter, Passage, Shares}
+#import pellucid::way::Way
+
+// What of light gets through to a sample of each volume: of matter of so many steps, what holds back light in any.
+fn all_left(passages: array<Passage, COUNT>, matter: array<Matter, COUNT>, slab: f32) -> array<Shares, COUNT> {
+    var left: array<Shares, COUNT>;
+    if sweep.counts.y != 0u {
+        for (var i = 0u; i < COUNT; i += 1u) {
+            left[i] = Shares(1.0, vec3<f32>(1.0));
+        }
+        return left;
+    }
+    // Of one step.
+    let passing = all_passing(passages, matter, 1.0);
+    var transmittance = 1.0;
+    var indirect = vec3<f32>(1.0);
+    for (var i = 0u; i < COUNT; i += 1u) {
+        transmittance *= 1.0 - matter[i].color.a;
+        indirect *= passing[i].indirect;
+    }
+    let steps = all_steps_inside(passages, slab);
+    for (var i = 0u; i < COUNT; i += 1u) {
+        // Logarithms of 0 are no numbers.
+        let through = select(vec3<f32>(0.0), pow(indirect, vec3<f32>(steps[i])), indirect > vec3<f32>(0.0));
+        left[i] = Shares(1.0 - opacity_over(1.0 - transmittance, steps[i]), through);
+    }
+    return left;
+}
+
+fn look(lines: ptr<function, Lines>, slab: u32, is_open: bool) -> Look {
+    let passages = passages_of(lines, f32(slab));
+    let matter = all_matter(passages);
+    var found = Look(vec4<f32>(0.0), false, false);
+    for (var i = 0u; i < COUNT; i += 1u) {
+        found.is_met |= is_open && passages[i].ratio > 0.0;
+        found.is_seen |= is_open && matter[i].color.a > 0.0;
+    }
+    var is_asked = found.is_seen;
+    // As in `matter_of`.
+    while is_asked {
+        let texels = all_texels(passages);
+        var ways: array<Way, COUNT>;
+        var lost: array<vec4<f32>, COUNT>;
+        for (var i = 0u; i < COUNT; i += 1u) {
+            ways[i] = (*lines).each[i].way;
+            if matter[i].color.a > 0.0 {
+                lost[i] = loss(layer_of(bounds.run, slab), texels[i]);
+            }
+        }
+        var elements = all_seen(ways, passages, matter, lost, all_left(passages, matter, f32(slab)));
+        found.color = added(&elements);
+        is_asked = false;
+    }
+    return found;
+}
