@@ -294,7 +294,8 @@ impl<'a> HalfAngleSlicer<'a> {
                 bound(&self.light, &passes, &[held.clone(), ("lost", before), ("next", behind)])
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let presence = self.presence.as_ref().map(|presence| bound(presence, &passes, &[held.clone()])).transpose()?;
+        let held = std::slice::from_ref(&held);
+        let presence = self.presence.as_ref().map(|presence| bound(presence, &passes, held)).transpose()?;
         let states = ("states", targets.states());
         let all = ("lost", BindingResource::TextureView(&layers.all));
         let eye = bound(&self.eye, &looks, &[states.clone(), all])?;

@@ -8,12 +8,11 @@ use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescript
 use wgpu::naga::Module;
 use wgpu::naga::compact::{KeepUnused, compact};
 
-use super::instances::{
-    across, count, each, each_hit, each_path, every, every_line, every_slab_light, is_shared, slabs, text_of,
-};
+use super::instances::{is_shared, text_of};
 use super::pass::{
     APART, ISOSURFACES, LAYERS, MERGE, OF_ALL, OF_EACH, OF_ONE, SHARED, SLICE_LAYERS, SLICE_LAYERS_PIXELS, Wgsl,
 };
+use super::written::{across, count, each, each_hit, each_path, every, every_line, every_slab_light, slabs};
 use super::{Constants, Pass, Traversal, Variant, defines};
 use crate::GpuError;
 

@@ -11,6 +11,7 @@ mod instances;
 mod linker;
 mod pass;
 mod resource;
+mod written;
 
 use instances::flag_of;
 pub use linker::Linker;

@@ -183,20 +183,18 @@ fn beside_nothing_a_volume_is_as_alone() {
     let volume = sample("wavelet", [24, 20, 28], VoxelType::F32);
     let mut renderer = gpu(&Ceiling::default());
     let scattering = "[volumes.scattering]\ntransport = [[0, \"#f0c080\"]]";
-    let alone = (volume.clone(), WAVES, "shading = true", scattering);
+    let layers: [Layer; 2] =
+        [(volume.clone(), WAVES, "shading = true", scattering), (volume, NOTHING, "shading = true", scattering)];
     // What is seen of nothing would move the eye.
     let camera = "[camera]\nview.orbit = { target = [0, 0, 0], distance = 40 }\n";
-    let nothing = (volume, NOTHING, "shading = true", scattering);
     for (name, light) in SUNS {
-        let draw =
-            |renderer: &mut _, layers: &[Layer]| draw(renderer, &lit(layers, light, "in_scatter = \"direct\"", camera));
-        let (one, two) =
-            (draw(&mut renderer, &[alone.clone()]), draw(&mut renderer, &[alone.clone(), nothing.clone()]));
-        assert!(one.color.iter().filter(|pixel| pixel[3] > 0.3).count() > 100, "{name} shows nothing");
-        let apart = difference(&one, &two);
+        let mut draw = |layers: &[Layer]| draw(&mut renderer, &lit(layers, light, "in_scatter = \"direct\"", camera));
+        let (alone, beside) = (draw(&layers[..1]), draw(&layers));
+        assert!(alone.color.iter().filter(|pixel| pixel[3] > 0.3).count() > 100, "{name} shows nothing");
+        let apart = difference(&alone, &beside);
         assert!(apart < 1e-4, "{name}: {apart}");
-        // What a frame of several leaves behind is nothing to one of one, and the other way round.
-        assert!(draw(&mut renderer, &[alone.clone()]).color == one.color, "{name}: two volumes leave something behind");
+        // A frame of one volume and one of two leave nothing to each other.
+        assert!(draw(&layers[..1]).color == alone.color && draw(&layers).color == beside.color, "{name}");
     }
 }
 
