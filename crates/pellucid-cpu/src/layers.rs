@@ -13,7 +13,6 @@ use crate::isosurface::Surfaced;
 use crate::lanes::{InstructionSet, Lanes, dispatch};
 use crate::medium::{Integrals, Layer, Many, OneGrid, Segmented, WithMedium};
 use crate::prepare::{Cache, MOST_STEPS, Prepared};
-use crate::rays::Emitter;
 use crate::shadow::{Across, Product, Shadow, Surfaces, ToLights, Turn};
 use crate::vary::Vary;
 
@@ -42,12 +41,6 @@ impl<'s> Layers<'s> {
     /// The volumes, made ready.
     pub fn each(&self) -> &[Prepared<'s>] {
         &self.each
-    }
-
-    /// What makes rays in each of them.
-    pub fn emitters(&self, set: InstructionSet) -> Vec<Emitter> {
-        let emitter = |layer: &Prepared| Emitter::of_eye(self.stage, layer.grid(), &layer.region, set);
-        self.each.iter().map(emitter).collect()
     }
 
     /// The integrator of the stage's mode, for an instruction set.

@@ -1,7 +1,7 @@
 //! The CPU backend.
 //!
 //! A frame is drawn by packets of rays in tiles over all cores. Every mode stands on the same parts:
-//! rays, where they meet the field and where on them samples are taken (`rays`), side by side in
+//! rays and where on them samples are taken (`rays`), where they meet the field (`lines`, `solid`), side by side in
 //! vectors (`packet`), what lies along them (`medium`), the question "what is the field here?" (`field`), what it looks like
 //! (`classify`, `surface`), and blocks that cannot contribute (`skip`). A mode is what it does with
 //! the samples. What runs per sample is written once and compiled for every instruction set
@@ -21,6 +21,7 @@ mod integrator;
 mod isosurface;
 mod lanes;
 mod layers;
+mod lines;
 mod lit;
 mod medium;
 mod modes;
@@ -38,6 +39,7 @@ mod segments;
 mod shadow;
 mod skip;
 mod slice;
+mod solid;
 mod surface;
 mod tiles;
 mod vary;

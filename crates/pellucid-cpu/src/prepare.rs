@@ -12,6 +12,7 @@ use crate::RenderError;
 use crate::cut::Cuts;
 use crate::field::Bounds;
 use crate::skip::{ExtremeGrid, Levels, SkipGrid};
+use crate::solid::Solid;
 
 /// What is kept from frame to frame.
 #[derive(Default)]
@@ -144,6 +145,11 @@ impl<'s> Prepared<'s> {
     /// Whether anything of the volume answers light.
     pub fn is_lit(&self) -> bool {
         self.tables.light.scatter.is_some() || self.volume.material.is_some()
+    }
+
+    /// Where the field is.
+    pub fn solid(&self) -> Solid {
+        Solid::new(self.grid(), &self.region)
     }
 
     /// The grid all positions refer to.

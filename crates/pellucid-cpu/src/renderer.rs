@@ -16,6 +16,7 @@ use crate::path_trace::PathTracer;
 use crate::prepare::{Cache, Prepared};
 use crate::rays::Emitter;
 use crate::shadow::LightCache;
+use crate::solid::Solid;
 use crate::tiles::{TILE, Tile, Tiles};
 
 /// The CPU backend. Keep one for several frames: what depends on the data alone (blocks, filter
@@ -134,17 +135,18 @@ fn render(
     match &stage.technique {
         Technique::RayCast(_) if stage.has_layers() => {
             let layers = Layers::new(stage, cache)?;
-            let (integrator, emitters) = (layers.integrator(set)?, layers.emitters(set));
+            let integrator = layers.integrator(set)?;
+            let rays = (Emitter::of_eye(stage, set), &*layers.each().iter().map(Prepared::solid).collect::<Vec<_>>());
             drawing = Instant::now();
-            tiles.draw(control, |tile| draw_tile(stage, &emitters, integrator.as_ref(), control, tile))?;
+            tiles.draw(control, |tile| draw_tile(stage, &rays, integrator.as_ref(), control, tile))?;
         }
         Technique::RayCast(_) => {
             let prepared = Prepared::new(stage, 0, cache)?;
             let lights = lights.lights(&prepared, set, control)?;
             let integrator = prepared.integrator(set, lights.as_ref().map(|lights| lights.as_slice()))?;
-            let emitter = [Emitter::of_eye(stage, prepared.grid(), &prepared.region, set)];
+            let rays = (Emitter::of_eye(stage, set), &[prepared.solid()][..]);
             drawing = Instant::now();
-            tiles.draw(control, |tile| draw_tile(stage, &emitter, integrator.as_ref(), control, tile))?;
+            tiles.draw(control, |tile| draw_tile(stage, &rays, integrator.as_ref(), control, tile))?;
         }
         Technique::HalfAngle(settings) => {
             let layers = Layers::new(stage, cache)?;
@@ -204,7 +206,7 @@ const WAVE: usize = 4;
 
 fn draw_tile(
     stage: &Stage,
-    emitters: &[Emitter],
+    (emitter, solids): &(Emitter, &[Solid]),
     integrator: &dyn Integrator,
     control: &Control,
     tile: &mut Tile,
@@ -215,6 +217,7 @@ fn draw_tile(
     let rows = lanes / columns;
     let n = stage.quality.supersampling as usize;
     let weight = 1.0 / (n * n) as f32;
+    let mut packets = vec![Packet::NOTHING; solids.len()];
     let (mut wave, mut traced, mut corners) = (Vec::new(), Vec::new(), Vec::new());
     for (wave_top, wave_left) in tile.corners(columns * WAVE, rows * WAVE) {
         for sub in 0..n * n {
@@ -226,17 +229,15 @@ fn draw_tile(
             corners.clear();
             for number in 0..WAVE * WAVE {
                 let (left, top) = (wave_left + number % WAVE * columns, wave_top + number / WAVE * rows);
-                let hit = match emitters {
-                    [emitter] => {
-                        let mut packet = Packet::NOTHING;
-                        let hit = emitter.emit_pixels(tile, [left, top], [lanes, columns], (sub, n), &mut packet);
-                        wave.extend((hit > 0).then_some(packet));
-                        hit
-                    }
-                    _ => Emitter::emit_layers(emitters, tile, [left, top], [lanes, columns], (sub, n), &mut wave),
-                };
+                packets.fill(Packet::NOTHING);
+                let (pixels, met) = ([lanes, columns], (*solids, &mut *packets));
+                let hit = emitter.emit_pixels(tile, [left, top], pixels, (sub, n), met);
                 if hit > 0 {
                     tile.hit += hit;
+                    if packets.len() > 1 {
+                        wave.push(emitter.around(&packets));
+                    }
+                    wave.extend_from_slice(&packets);
                     traced.push(Traced::NOTHING);
                     corners.push((left, top));
                 }

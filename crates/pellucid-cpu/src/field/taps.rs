@@ -5,6 +5,7 @@ use pellucid_field::Grid;
 use pellucid_scene::Region;
 
 use crate::lanes::*;
+use crate::solid::half_spaces;
 
 /// The rounding of positions must not cut off a tap that lies in the border.
 const TOLERANCE: f32 = 1e-4;
@@ -26,14 +27,11 @@ pub struct Bounds {
 impl Bounds {
     /// The bounds of a grid and a region.
     pub fn new(grid: &Grid, region: &Region) -> Self {
-        let world = grid.world_from_index();
-        let plane = |&(normal, offset): &(DVec3, f64)| {
-            let index_normal = world.matrix3.transpose() * normal;
-            let length = index_normal.length();
-            let offset = offset - normal.dot(world.translation);
-            ((index_normal / length).as_vec3().to_array(), (offset / length) as f32)
+        let plane = |(normal, offset): (DVec3, f64)| {
+            let length = normal.length();
+            ((normal / length).as_vec3().to_array(), (offset / length) as f32)
         };
-        let planes = region.half_spaces().iter().map(plane).collect();
+        let planes = half_spaces(grid, region).map(plane).collect();
         let [low, high] = <[DVec3; 2]>::from(grid.index_bounds()).map(|corner| corner.as_vec3().to_array());
         Self { low, high, last: grid.dims().map(|n| (n - 1) as f32), planes }
     }

@@ -1,6 +1,7 @@
 //! What slabs hold where rays of light cross them.
 
 use std::ops::Range;
+use std::slice;
 
 use pellucid_field::Grid;
 use pellucid_optics::Chroma;
@@ -15,6 +16,7 @@ use crate::lanes::{self, *};
 use crate::packet::Packet;
 use crate::rays::Emitter;
 use crate::skip::SkipGrid;
+use crate::solid::Solid;
 use crate::vary::Varied;
 
 /// Lengths that differ by less are the same.
@@ -57,10 +59,10 @@ struct LightPacket {
 
 impl Band {
     /// The rows from `top` on of a light's picture, `width` texels wide, for so many slabs at once and numbers per
-    /// texel; rays in a grid's box, `step` world units to a step.
+    /// texel; rays in a solid of a grid, `step` world units to a step.
     pub fn new<S: Lanes>(
         s: S,
-        (grid, step): (&Grid, f64),
+        (grid, solid, step): (&Grid, &Solid, f64),
         (emitter, slabs): (&Emitter, &Slabs),
         [top, rows, width]: [usize; 3],
         [run, channels]: [usize; 2],
@@ -70,7 +72,8 @@ impl Band {
             let (mut x, y) = ([0.0; MOST_LANES], [(top + row) as f64 + 0.5; MOST_LANES]);
             x.iter_mut().zip(column..column + lanes).for_each(|(x, column)| *x = column as f64 + 0.5);
             let mut rays = Packet::NOTHING;
-            emitter.emit(&x, &y, &[true; MOST_LANES], 0, &mut rays);
+            let met = (slice::from_ref(solid), slice::from_mut(&mut rays));
+            emitter.emit(&x, &y, &[true; MOST_LANES], 0, met);
             let mut packet = LightPacket { crossing: Crossing::NOTHING, next: 0, last: 0 };
             packet.crossing.take(s, &rays, slabs, grid, step);
             (packet.next, packet.last) = (packet.crossing.slabs().start, packet.crossing.slabs().end);

@@ -42,6 +42,7 @@ use crate::packet::Packet;
 use crate::prepare::Prepared;
 use crate::rays::Emitter;
 use crate::reconstruct::WithField;
+use crate::solid::Solid;
 use crate::surface::Surface;
 use crate::tiles::{Tile, Tiles};
 
@@ -144,12 +145,12 @@ impl<S: Lanes> EyeSweep<'_, S> {
         let matter = each().map(|(number, field)| drawing.matter(s, number, field)).collect();
         let mut light = Sweep::new(layers, settings, geometry, matter, Seen::InMatter, cancelled)?;
         let length = light.run_length();
-        let emitter = |layer: &Prepared| Emitter::of_eye(stage, layer.grid(), &layer.region, InstructionSet::of(s));
-        let emitters: Vec<Emitter> = layers.iter().map(emitter).collect();
+        let emitter = Emitter::of_eye(stage, InstructionSet::of(s));
+        let solids: Vec<Solid> = layers.iter().map(Prepared::solid).collect();
         let columns = 1 << width::<S>().ilog2().div_ceil(2);
         let packets = |tile: &Tile| match control.is_cancelled() {
             true => Err(RenderError::Cancelled),
-            false => Ok(drawing.packets(s, tile, &emitters, columns, sub)),
+            false => Ok(drawing.packets(s, tile, (&emitter, &solids), columns, sub)),
         };
         let mut seen: Vec<Vec<EyePacket>> = tiles.all().par_iter().map(packets).collect::<Result<_, _>>()?;
         let end = seen.iter().flatten().map(|packet| packet.slabs().end).max().unwrap_or(0);
@@ -189,18 +190,22 @@ impl<S: Lanes> EyeSweep<'_, S> {
 
 impl Drawing<'_> {
     /// The rays through a tile that meet any field, `columns` side by side.
-    fn packets<S: Lanes>(&self, s: S, tile: &Tile, emitters: &[Emitter], columns: usize, sub: usize) -> Vec<EyePacket> {
+    fn packets<S: Lanes>(
+        &self,
+        s: S,
+        tile: &Tile,
+        (emitter, solids): (&Emitter, &[Solid]),
+        columns: usize,
+        sub: usize,
+    ) -> Vec<EyePacket> {
         let (layers, slabs, lanes) = (self.layers, &self.geometry.slabs, width::<S>());
         let n = layers[0].stage.quality.supersampling as usize;
         let mut packets: Vec<EyePacket> = Vec::with_capacity((tile.width * tile.height).div_ceil(lanes));
         let mut rays = vec![Packet::NOTHING; layers.len()];
         for (top, left) in tile.corners(columns, lanes / columns) {
-            let (corner, mut hit) = ([left, top], 0);
-            for (emitter, rays) in emitters.iter().zip(&mut rays) {
-                *rays = Packet::NOTHING;
-                hit += emitter.emit_pixels(tile, corner, [lanes, columns], (sub, n), rays);
-            }
-            if hit > 0 {
+            let corner = [left, top];
+            rays.fill(Packet::NOTHING);
+            if emitter.emit_pixels(tile, corner, [lanes, columns], (sub, n), (solids, &mut *rays)) > 0 {
                 packets.extend(EyePacket::new(s, &rays, slabs, layers, corner));
             }
         }

@@ -15,6 +15,7 @@ use crate::field::Field;
 use crate::lanes::*;
 use crate::prepare::Prepared;
 use crate::rays::Emitter;
+use crate::solid::Solid;
 
 /// Light that passes slab after slab.
 pub struct Sweep<'a, S, F> {
@@ -72,19 +73,18 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
         let tiles = shape.width.div_ceil(TILE);
         let run = run_length([shape.width, shape.height]);
         let channels = LightBuffer::channels_of(indirect);
-        let emitter = |grid, region| Emitter::of_light(frame, step, grid, region, InstructionSet::of(s));
-        let own: Vec<Emitter> = prepared.iter().map(|layer| emitter(layer.grid(), &layer.region)).collect();
+        let emitter = Emitter::of_light(frame, step, InstructionSet::of(s));
+        let own: Vec<Solid> = prepared.iter().map(Prepared::solid).collect();
         // Rays of all layers go through the box around them.
-        let everything = Region::default();
-        let all = (prepared.len() > 1).then(|| emitter(grid, &everything));
+        let all = (prepared.len() > 1).then(|| Solid::new(grid, &Region::default()));
         let rows = |top: usize| BAND.min(shape.height - top);
         let bands: Vec<(Band, Vec<Band>)> = (0..shape.height.div_ceil(BAND))
             .into_par_iter()
             .map(|band| {
                 stop()?;
                 let place = [band * BAND, rows(band * BAND), shape.width];
-                let band = |grid, emitter| Band::new(s, (grid, step), (emitter, slabs), place, [run, channels]);
-                let each = || prepared.iter().zip(&own).map(|(layer, emitter)| band(layer.grid(), emitter));
+                let band = |grid, solid| Band::new(s, (grid, solid, step), (&emitter, slabs), place, [run, channels]);
+                let each = || prepared.iter().zip(&own).map(|(layer, solid)| band(layer.grid(), solid));
                 Ok(match &all {
                     Some(all) => (band(grid, all), each().collect()),
                     None => (band(grid, &own[0]), Vec::new()),

@@ -9,14 +9,15 @@ use pellucid_scene::{PathTrace, Viewpoint};
 
 use super::majorants::Walk;
 use super::space::Flight;
+use crate::lines::Lines;
 
 /// The blocks that the rays of a pixel may meet, all of which pass less than a block beside its middle ray.
 pub struct Sights {
     view: Viewpoint,
-    index_from_world: DAffine3,
-    /// In a grid with one block more on every side; live is what is live itself or beside what is.
+    /// Into a grid with one block more on every side.
+    block_from_world: DAffine3,
+    /// In that grid; live is what is live itself or beside what is.
     leaps: Leaps,
-    size: f64,
 }
 
 /// Where the rays of a pixel may meet the medium.
@@ -43,24 +44,18 @@ impl Sights {
         let is_narrow = settings.aperture == 0.0 && size.is_finite() && spread < 0.99 * size;
         // Paths are spread over each pixel anyway (`lens.rs`).
         let view = Viewpoint { shift: DVec2::ZERO, ..*view };
-        is_narrow.then(|| Self { view, index_from_world, leaps: widened(&majorants.leaps), size })
+        let block_from_index =
+            DAffine3::from_translation(DVec3::ONE) * DAffine3::from_scale(DVec3::splat(size.recip()));
+        let block_from_world = block_from_index * index_from_world;
+        is_narrow.then(|| Self { view, block_from_world, leaps: widened(&majorants.leaps) })
     }
 
     /// That of a pixel.
     pub fn of_pixel(&self, x: usize, y: usize) -> Sight {
         let ray = self.view.ray(x as f64 + 0.5, y as f64 + 0.5);
-        let origin = self.index_from_world.transform_point3(ray.origin) / self.size + 1.0;
-        let direction = self.index_from_world.transform_vector3(ray.direction) / self.size;
-        let high = DVec3::from_array(self.leaps.dims().map(|n| n as f64));
-        let (near, far) = (-origin / direction, (high - origin) / direction);
-        // On a side, 0 / 0 may count as anything: no ray of the pixel comes as far as the data.
-        let (enter, leave) = (near.min(far).max_element().max(0.0), near.max(far).min_element());
-        let meets = enter < leave;
-        if !meets {
-            return Sight::Nowhere(false);
-        }
-        let entry = (origin + direction * enter).as_vec3();
-        let flight = Flight { origin: entry, direction: direction.as_vec3(), length: (leave - enter) as f32 };
+        let mut line = Lines::from((&ray, [0.0, f64::INFINITY])).carried(1, &self.block_from_world);
+        line.keep_box(1, DVec3::ZERO, DVec3::from_array(self.leaps.dims().map(|n| n as f64)));
+        let Some((enter, flight)) = Flight::new(&line) else { return Sight::Nowhere(false) };
         let mut walk = Walk::new(&self.leaps, 1.0, &flight);
         let (mut at, mut met) = (0.0, None);
         loop {

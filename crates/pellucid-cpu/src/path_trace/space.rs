@@ -4,6 +4,9 @@ use glam::{Affine3A, DVec3, Vec3};
 use pellucid_field::Grid;
 use pellucid_scene::{Ray, Region};
 
+use crate::lines::Lines;
+use crate::solid::{Solid, half_spaces};
+
 /// A straight way through the medium, in index space.
 #[derive(Clone, Copy)]
 pub struct Flight {
@@ -16,6 +19,14 @@ pub struct Flight {
 }
 
 impl Flight {
+    /// What is left of a line, and how far from its origin that begins; `None` if nothing is.
+    pub fn new(line: &Lines<1>) -> Option<(f64, Self)> {
+        let [[t0], [t1]] = line.ends;
+        let [origin, direction] = [line.origin, line.direction].map(|v| DVec3::from_array(v.map(|[v]| v)));
+        let entry = (origin + direction * t0).as_vec3();
+        (t0 < t1).then_some((t0, Self { origin: entry, direction: direction.as_vec3(), length: (t1 - t0) as f32 }))
+    }
+
     /// The position after so many world units.
     #[inline(always)]
     pub fn at(&self, distance: f32) -> Vec3 {
@@ -29,7 +40,7 @@ const ROUNDING: f32 = 1e-6;
 /// The box and the clips that bound the medium.
 pub struct Space<'a> {
     grid: &'a Grid,
-    region: &'a Region,
+    solid: Solid,
     low: Vec3,
     high: Vec3,
     index_from_world: Affine3A,
@@ -40,49 +51,29 @@ pub struct Space<'a> {
 
 impl<'a> Space<'a> {
     /// What clips leave of a grid.
-    pub fn new(grid: &'a Grid, region: &'a Region) -> Self {
+    pub fn new(grid: &'a Grid, region: &Region) -> Self {
         let (low, high) = grid.index_bounds();
         let world = grid.world_from_index();
-        let plane = |&(normal, offset): &(DVec3, f64)| {
-            ((world.matrix3.transpose() * normal).as_vec3(), (offset - normal.dot(world.translation)) as f32)
-        };
         Self {
             grid,
-            region,
+            solid: Solid::new(grid, region),
             low: low.as_vec3(),
             high: high.as_vec3(),
             index_from_world: grid.index_from_world().as_affine3a(),
             world_from_index: world.as_affine3a(),
-            planes: region.half_spaces().iter().map(plane).collect(),
+            planes: half_spaces(grid, region).map(|(normal, offset)| (normal.as_vec3(), offset as f32)).collect(),
         }
     }
 
     /// The part of a ray inside, of what is between two distances, and how far from its origin it begins.
     pub fn enter(&self, ray: &Ray, between: [f64; 2]) -> Option<(f64, Flight)> {
-        let (low, high) = self.grid.index_bounds();
-        let from_world = self.grid.index_from_world();
-        let origin = from_world.transform_point3(ray.origin);
-        let mut direction = from_world.transform_vector3(ray.direction);
-        // As the rays of other techniques: rounding must not make those along a side miss the box.
-        let room = (high - low).max_element() * 1e-12;
-        let (low, high) = (low - room, high + room);
-        let steady = self.steady(direction.as_vec3());
-        let [mut t0, mut t1] = between;
-        for axis in 0..3 {
-            if steady[axis] == 0.0 {
-                direction[axis] = 0.0;
-                if !(low[axis]..=high[axis]).contains(&origin[axis]) {
-                    return None;
-                }
-                continue;
-            }
-            let inverse = direction[axis].recip();
-            let (near, far) = ((low[axis] - origin[axis]) * inverse, (high[axis] - origin[axis]) * inverse);
-            (t0, t1) = (t0.max(near.min(far)), t1.min(near.max(far)));
+        let mut line = self.solid.carry(1, &Lines::from((ray, between)));
+        let steady = self.steady(Vec3::from_array(line.direction.map(|[way]| way as f32)));
+        for axis in (0..3).filter(|&axis| steady[axis] == 0.0) {
+            line.direction[axis] = [0.0];
         }
-        let (t0, t1) = self.region.interval(ray, t0, t1)?;
-        let entry = (origin + direction * t0).as_vec3();
-        (t0 < t1).then_some((t0, Flight { origin: entry, direction: direction.as_vec3(), length: (t1 - t0) as f32 }))
+        self.solid.cut(1, &mut line);
+        Flight::new(&line)
     }
 
     /// The way from a position inside, along a unit vector of the world, to where the medium ends or to
