@@ -115,7 +115,7 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> Composite<'_, S, F, C> {
                 for packet in wave {
                     let (rays, counter) = (Rays::new(s, packet), Counter::new(s));
                     let march = March::new(s, &rays, medium.levels);
-                    let beam = medium.beam(packet, &rays);
+                    let beam = medium.beam(packet.to_eye(s), &rays.origin, &rays.direction);
                     followed.push(Followed { rays, march, counter, beam, ray: accumulation.start(s), open: true });
                 }
                 while followed.iter().any(|packet| packet.open) {
@@ -186,7 +186,8 @@ impl<S: Lanes, F: Field<S>, V: Vary> Integrator for PreIntegrated<'_, S, F, V> {
             tally,
             #[inline(always)]
             |packet, rays, traced, counter| {
-                let (mut ray, beam) = (accumulation.start(s), medium.beam(packet, rays));
+                let (mut ray, beam) =
+                    (accumulation.start(s), medium.beam(packet.to_eye(s), &rays.origin, &rays.direction));
                 let mut compositing = Compositing { mode: self, rays, beam: beam.as_ref(), ray: &mut ray };
                 each_segment(s, &medium.field, rays, medium.skip, counter, &mut compositing);
                 accumulation.finish(

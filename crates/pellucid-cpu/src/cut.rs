@@ -38,9 +38,15 @@ impl Cuts {
     #[inline(always)]
     pub fn met<S: Lanes>(&self, s: S, entry: &Vec3<S>, direction: &Vec3<S>) -> Cut<S> {
         let (normal, offset) = self.bounds.entered(s, entry, direction);
+        let steepest = self.world_gradients::<S>(&normal);
+        Cut { normal, offset, gradient: xyz!(I => steepest[I] * self.rise) }
+    }
+
+    /// Gradients per world unit, of those per index step.
+    #[inline(always)]
+    pub fn world_gradients<S: Lanes>(&self, gradient: &Vec3<S>) -> Vec3<S> {
         let [x, y, z] = &self.world_from_index_gradient;
-        let gradient = xyz!(I => (normal[0] * x[I] + normal[1] * y[I] + normal[2] * z[I]) * self.rise);
-        Cut { normal, offset, gradient }
+        xyz!(I => gradient[0] * x[I] + gradient[1] * y[I] + gradient[2] * z[I])
     }
 }
 

@@ -1,66 +1,19 @@
 //! First surfaces of constant value, found along the ray without a mesh (5.5-8).
 
-use pellucid_optics::{ColorSpace, TransferFunction};
-use pellucid_scene::Isovalue;
-
-use crate::field::{Field, Knots};
+use crate::field::Field;
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
+use crate::medium::{Crossed, Level, OneGrid, crosses};
 use crate::packet::{Packet, Rays};
 use crate::segments::{Segment, Verdict, Visit, each_surface};
-use crate::skip::SkipGrid;
-use crate::surface::{Aim, Surface, Unlit, normals};
-
-/// A surface, classified.
-#[derive(Clone, Copy, Debug)]
-pub struct Level {
-    /// Data value.
-    pub value: f32,
-    /// Linear RGB.
-    pub color: [f32; 3],
-    /// Opacity.
-    pub opacity: f32,
-}
-
-impl Level {
-    /// The surface of the document, its colour from the transfer function unless it has its own.
-    pub fn new(iso: &Isovalue, tf: &TransferFunction) -> Self {
-        let color = iso.color.map_or_else(|| tf.color(iso.value), |color| color.to_linear(ColorSpace::Srgb));
-        Self { value: iso.value as f32, color, opacity: iso.opacity }
-    }
-}
+use crate::surface::{Aim, Unlit, normals};
 
 /// Shaded isosurfaces.
 pub struct Isosurfaces<'a, S, F> {
-    /// The instruction set.
-    pub s: S,
-    /// The field.
-    pub field: F,
-    /// Light, if surfaces are shaded.
-    pub surface: Option<Surface<'a, S>>,
-    /// The surfaces, in ascending order.
-    pub levels: Vec<Level>,
-    /// Turns a gradient per index step into one per world unit.
-    pub world_from_index_gradient: [[f32; 3]; 3],
-    /// Blocks that hold a surface, if the others are skipped.
-    pub skip: Option<&'a SkipGrid>,
+    /// What lies along rays: the surfaces, in ascending order.
+    pub medium: OneGrid<'a, S, F, Vec<Level>>,
     /// Opacity at which a ray stops.
     pub early_termination: f32,
-}
-
-/// Lanes in which a level lies between two values that are there.
-#[inline(always)]
-pub fn between<S: Lanes>([front, back]: [F32<S>; 2], level: F32<S>) -> Mask<S> {
-    let (below, under) = (front.simd_lt(level), back.simd_lt(level));
-    let present = front.is_finite() & back.is_finite();
-    present & ((below & !under) | (!below & under))
-}
-
-/// Pieces of rays that surfaces cross.
-struct Crossed<S: Lanes> {
-    distance: [F32<S>; 2],
-    value: [F32<S>; 2],
-    lanes: Mask<S>,
 }
 
 /// What rays have met so far.
@@ -93,9 +46,13 @@ pub trait Surfaced<S: Lanes>: Sync {
 
 impl<S: Lanes, F: Field<S>> Surfaced<S> for Isosurfaces<'_, S, F> {
     fn hits(&self, packet: &Packet, counter: &mut Counter<S>) -> Vec<Hit<S>> {
-        self.s.vectorize(
+        self.medium.s.vectorize(
             #[inline(always)]
-            || self.follow(packet, &Rays::new(self.s, packet), Some(Vec::new()), counter).hits.unwrap_or_default(),
+            || {
+                self.follow(packet, &Rays::new(self.medium.s, packet), Some(Vec::new()), counter)
+                    .hits
+                    .unwrap_or_default()
+            },
         )
     }
 }
@@ -106,7 +63,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Isosurfaces<'_, S, F> {
     }
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
-        let s = self.s;
+        let s = self.medium.s;
         one_by_one(
             s,
             wave,
@@ -134,8 +91,8 @@ struct Search<'a, S: Lanes, F> {
 impl<S: Lanes, F: Field<S>> Visit<S> for Search<'_, S, F> {
     #[inline(always)]
     fn visit(&mut self, segment: &Segment<S>, _: &mut Counter<S>) -> Verdict<S> {
-        let (crossed, done) = (&mut self.crossed, all(self.mode.s, false));
-        let wait = segment.lanes & self.mode.crosses(segment.value);
+        let (crossed, done) = (&mut self.crossed, all(self.mode.medium.s, false));
+        let wait = segment.lanes & self.mode.medium.crosses(segment.value);
         if wait.any_true() {
             for end in 0..2 {
                 crossed.distance[end] = wait.select(segment.distance[end], crossed.distance[end]);
@@ -164,55 +121,36 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
         hits: Option<Vec<Hit<S>>>,
         counter: &mut Counter<S>,
     ) -> Surfacing<S> {
-        let s = self.s;
+        let s = self.medium.s;
         let (zero, none) = (splat(s, 0.0), all(s, false));
-        let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
-        let aim = self.surface.as_ref().map(
-            #[inline(always)]
-            |surface| surface.aim(s, to_eye),
-        );
+        let aim = self.medium.aim(packet.to_eye(s));
         let met = Surfacing { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], aim, hits };
         let crossed = Crossed { distance: [zero; 2], value: [zero; 2], lanes: none };
         let mut search = Search { mode: self, rays, crossed, met };
-        each_surface(s, &self.field, rays, self.skip, counter, &mut search);
+        each_surface(s, &self.medium.field, rays, self.medium.skip, counter, &mut search);
         search.met
-    }
-
-    /// Lanes in which any level lies between two values.
-    #[inline(always)]
-    fn crosses(&self, value: [F32<S>; 2]) -> Mask<S> {
-        let mut any = all(self.s, false);
-        for level in &self.levels {
-            any |= between::<S>(value, splat(self.s, level.value));
-        }
-        any
     }
 
     /// Adds the surfaces that segments cross, nearest first. Returns the rays that are done.
     #[inline(always)]
     fn meet(&self, rays: &Rays<S>, crossed: &Crossed<S>, met: &mut Surfacing<S>, counter: &mut Counter<S>) -> Mask<S> {
-        let s = self.s;
+        let (s, levels) = (self.medium.s, &self.medium.optics);
         let mut done = all(s, false);
         // A ray leaves the value at the segment's start and meets levels in the order of value.
         let rising = crossed.value[1].simd_gt(crossed.value[0]);
-        for (up, down) in self.levels.iter().zip(self.levels.iter().rev()) {
+        for (up, down) in levels.iter().zip(levels.iter().rev()) {
             let level = rising.select(splat(s, up.value), splat(s, down.value));
-            let lanes = crossed.lanes & !done & between::<S>(crossed.value, level);
+            let lanes = crossed.lanes & !done & crosses::<S>(crossed.value, level);
             if !lanes.any_true() {
                 continue;
             }
             counter.see(lanes);
-            let (distance, gradient) = if self.field.knots() == Knots::FACES {
-                (crossed.distance[0], self.across_face(rays, crossed))
-            } else {
-                let distance = self.root(rays, crossed, level, lanes);
-                (distance, self.field.gradients(s, rays.at(distance), lanes))
-            };
+            let (distance, gradient) = self.medium.crossing(rays, crossed, level, lanes);
             let index = rays.at(distance);
             let base = xyz!(C => rising.select(splat(s, up.color[C]), splat(s, down.color[C])));
             let opacity = rising.select(splat(s, up.opacity), splat(s, down.opacity));
             let mut rgba = [base[0] * opacity, base[1] * opacity, base[2] * opacity, opacity];
-            if let (Some(surface), Some(aim)) = (&self.surface, &met.aim) {
+            if let (Some(surface), Some(aim)) = (&self.medium.surface, &met.aim) {
                 let sample = Unlit { rgba, value: level, index, lanes };
                 rgba = surface.shade(
                     s,
@@ -234,71 +172,5 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
             done |= lanes & met.color[3].simd_ge(splat(s, self.early_termination));
         }
         done
-    }
-
-    /// Gradients of a field of nearest voxels where rays pass the face between two: the jump from the one to the
-    /// other, one voxel on. Central differences would be those of other voxels.
-    #[inline(always)]
-    fn across_face(&self, rays: &Rays<S>, crossed: &Crossed<S>) -> Vec3<S> {
-        let zero = splat(self.s, 0.0);
-        // Which of the planes half way between voxels is passed here, in steps off.
-        let off = xyz!(I => {
-            let place = rays.direction[I].mul_add(crossed.distance[0], rays.origin[I]) + 0.5;
-            ((place - (place + 0.5).floor()) * rays.inverse[I]).abs()
-        });
-        let nearest = off[0].min(off[1]).min(off[2]);
-        let x = off[0].simd_le(nearest);
-        let y = !x & off[1].simd_le(nearest);
-        let jump = crossed.value[1] - crossed.value[0];
-        let rise = xyz!(I => rays.inverse[I].simd_gt(zero).select(jump, -jump));
-        let slope = [x.select(rise[0], zero), y.select(rise[1], zero), (x | y).select(zero, rise[2])];
-        let [a, b, c] = &self.world_from_index_gradient;
-        xyz!(I => slope[0] * a[I] + slope[1] * b[I] + slope[2] * c[I])
-    }
-
-    /// Where the field passes `level` between two distances whose values bracket it: regula falsi
-    /// with the Illinois rule, with bisection when it stalls. What is absent on the way counts as
-    /// beyond the surface, which then is where the field ends.
-    #[inline(always)]
-    fn root(&self, rays: &Rays<S>, crossed: &Crossed<S>, level: F32<S>, lanes: Mask<S>) -> F32<S> {
-        /// Width of the bracket, in voxels, at which a root is found.
-        const ROOT_VOXELS: f32 = 2e-5;
-        let (s, zero) = (self.s, splat(self.s, 0.0));
-        let [mut t0, mut t1] = crossed.distance;
-        let (mut f0, mut f1) = (crossed.value[0] - level, crossed.value[1] - level);
-        let [x, y, z] = xyz!(I => rays.direction[I].abs());
-        let tolerance = splat(s, ROOT_VOXELS) / x.max(y).max(z).max(splat(s, 1e-12));
-        let mut found = t0;
-        let mut there = lanes;
-        let mut open = lanes;
-        let (mut kept_left, mut kept_right) = (all(s, false), all(s, false));
-        for round in 0..32 {
-            let middle = (t0 + t1) * 0.5;
-            let secant = (t1 - t0).mul_add(f0 / (f0 - f1), t0);
-            // Never outside the bracket: rounding, or both ends on the level.
-            let inside = secant.simd_ge(t0) & secant.simd_le(t1);
-            let t = if round % 3 == 2 { middle } else { inside.select(secant, middle) };
-            found = open.select(t, found);
-            let f = self.field.values(s, rays.at(t), open) - level;
-            let present = f.is_finite();
-            there = (open & present) | (!open & there);
-            let same = f.simd_lt(zero);
-            let front = f0.simd_lt(zero);
-            let left = present & ((same & front) | (!same & !front));
-            // An end that stays twice counts half, or it would stay for ever.
-            f1 = (left & kept_right).select(f1 * 0.5, f1);
-            f0 = (!left & kept_left).select(f0 * 0.5, f0);
-            (kept_right, kept_left) = (left, !left);
-            t0 = left.select(t, t0);
-            f0 = left.select(f, f0);
-            t1 = left.select(t1, t);
-            f1 = (present & !left).select(f, f1);
-            // An exact value ends the search, too.
-            open &= (t1 - t0).simd_gt(tolerance) & f.simd_ne(zero);
-            if !open.any_true() {
-                break;
-            }
-        }
-        there.select(found, t0)
     }
 }

@@ -96,17 +96,19 @@ impl<'s> Layers<'s> {
             Mode::Isosurface(_) => {
                 let away = self.stage.shadow_offset(lit.volume, length) as f32;
                 let surfaces = |(prepared, sampler): (&'a Prepared, &Sampler<'a>)| {
-                    let (field, ways) = (prepared.any(sampler.clone()), ToLights::new(prepared, length));
-                    let (levels, skip) = (prepared.levels(), prepared.grids.skip.as_ref());
-                    (turn(prepared), Surfaces { s, field, levels, ways, away, skip })
+                    let medium = prepared.surfaces(s, prepared.any(sampler.clone()), None);
+                    (turn(prepared), Surfaces { medium, ways: ToLights::new(prepared, length), away })
                 };
                 Box::new(Product(casting().map(surfaces).collect()))
             }
-            _ => Box::new(Across {
-                layers: casting().map(|(layer, sampler)| layer.shadowing(s, sampler.clone(), AsLayer)).collect(),
-                ways: self.each.iter().map(|layer| (turn(layer), ToLights::new(layer, length))).collect(),
-                overlap: self.stage.overlap,
-            }),
+            _ => {
+                let layer = |(prepared, sampler): (&'a Prepared, &Sampler<'a>)| {
+                    let layer = Box::new(prepared.shadowing(s, sampler.clone())?) as Box<dyn Layer<S> + 'a>;
+                    Some((layer, (turn(prepared), ToLights::new(prepared, length))))
+                };
+                let (layers, ways) = casting().filter_map(layer).unzip();
+                Box::new(Across { layers, ways, overlap: self.stage.overlap })
+            }
         })
     }
 }

@@ -3,7 +3,6 @@
 use pellucid_field::Sampler;
 use pellucid_scene::Mode;
 
-use crate::classify::Lookup;
 use crate::lanes::Lanes;
 use crate::prepare::Prepared;
 use crate::scatter::Scatter;
@@ -47,14 +46,13 @@ impl Prepared<'_> {
             return Some(Box::new(LightVolumes::new(lights)));
         }
         let shadows = self.shadows.as_ref()?;
-        let (ways, skip) = (ToLights::new(self, shadows.length), self.grids.skip.as_ref());
-        let field = self.any(sampler.clone());
+        let ways = ToLights::new(self, shadows.length);
         Some(match self.stage.mode() {
             Mode::Isosurface(_) => {
                 let away = self.stage.shadow_offset(self.volume, shadows.length) as f32;
-                Box::new(Surfaces { s, field, levels: self.levels(), ways, away, skip })
+                Box::new(Surfaces { medium: self.surfaces(s, self.any(sampler.clone()), None), ways, away })
             }
-            _ => Box::new(Media { field, table: Lookup::of_steps(&shadows.table), ways, skip, varied: self.varied() }),
+            _ => Box::new(Media { medium: self.shadowing(s, sampler.clone())?, ways }),
         })
     }
 }

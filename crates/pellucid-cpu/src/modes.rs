@@ -8,7 +8,7 @@ use crate::classify::{Classify, Lookup};
 use crate::composite::{Accumulation, Composite, PreIntegrated};
 use crate::field::Field;
 use crate::integrator::Integrator;
-use crate::isosurface::{Isosurfaces, Level};
+use crate::isosurface::Isosurfaces;
 use crate::lanes::{InstructionSet, Lanes, dispatch};
 use crate::medium::{Integrals, OneGrid, WithMedium};
 use crate::prepare::Prepared;
@@ -63,10 +63,7 @@ impl Prepared<'_> {
                 let skip = self.grids.skip.as_ref();
                 Box::new(Additive { s, field: field(sampler), table: table(), step_ratio, skip })
             }
-            Mode::XRay => {
-                let (table, skip) = (Lookup::of_steps(&self.tables.step_table), self.grids.skip.as_ref());
-                Box::new(XRay { s, field: field(sampler), table, skip })
-            }
+            Mode::XRay => Box::new(XRay { medium: self.radiograph(s, sampler) }),
             Mode::Slice(slice) if slice.thickness == 0.0 => {
                 let (point, normal) = self.stage.slice_plane(self.volume, slice);
                 Box::new(SlicePlane::new(s, field(sampler), table(), self.grid(), point, normal))
@@ -106,22 +103,8 @@ impl Prepared<'_> {
         field: F,
         surface: Option<Surface<'a, S>>,
     ) -> Isosurfaces<'a, S, F> {
-        let gradient = self.grid().world_from_index_gradient().as_mat3().to_cols_array_2d();
-        Isosurfaces {
-            s,
-            field,
-            surface,
-            levels: self.levels(),
-            world_from_index_gradient: gradient,
-            skip: self.grids.skip.as_ref(),
-            early_termination: self.stage.quality.early_termination,
-        }
-    }
-
-    /// The isosurfaces of the volume, classified, in ascending order.
-    pub fn levels(&self) -> Vec<Level> {
-        let tf = &self.volume.transfer_function;
-        self.stage.isovalues(self.number).iter().map(|iso| Level::new(iso, tf)).collect()
+        let early_termination = self.stage.quality.early_termination;
+        Isosurfaces { medium: self.surfaces(s, field, surface), early_termination }
     }
 }
 

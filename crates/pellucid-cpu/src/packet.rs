@@ -41,6 +41,12 @@ impl Packet {
 }
 
 impl Packet {
+    /// Unit vectors of the world to where the rays come from.
+    #[inline(always)]
+    pub fn to_eye<S: Lanes>(&self, s: S) -> Vec3<S> {
+        xyz!(I => -load(s, &self.world_direction[I]))
+    }
+
     /// Length of the ray in a lane that has one, in steps.
     pub fn length(&self, lane: usize) -> f64 {
         f64::from(self.count[lane] - 1.0) + f64::from(self.last_ratio[lane])

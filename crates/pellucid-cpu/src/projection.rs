@@ -1,10 +1,11 @@
 //! Projections: what a ray makes of its values without an order (1.4-10, 1.4-11).
 
 use crate::cells::{self, Cells};
-use crate::classify::Lookup;
-use crate::field::Field;
+use crate::classify::{Lookup, Post};
+use crate::field::{Any, Field};
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
+use crate::medium::OneGrid;
 use crate::packet::{Packet, Rays};
 use crate::samples::March;
 use crate::skip::{ExtremeGrid, SkipGrid};
@@ -245,24 +246,18 @@ impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
 }
 
 /// A radiograph (1.2-7, model 1; 1.4-11): the share of light held back, in white.
-pub struct XRay<'a, S, F> {
-    /// The instruction set.
-    pub s: S,
-    /// The field.
-    pub field: F,
-    /// Opacity of one step.
-    pub table: Lookup<'a>,
-    /// Blocks that can contribute, if empty space is skipped.
-    pub skip: Option<&'a SkipGrid>,
+pub struct XRay<'a, S: Lanes> {
+    /// What lies along rays: opacities of single steps.
+    pub medium: OneGrid<'a, S, Any<'a, S>, Post<'a>>,
 }
 
-impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
+impl<S: Lanes> Integrator for XRay<'_, S> {
     fn width(&self) -> usize {
         width::<S>()
     }
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
-        let s = self.s;
+        let s = self.medium.s;
         one_by_one(
             s,
             wave,
@@ -275,19 +270,13 @@ impl<S: Lanes, F: Field<S>> Integrator for XRay<'_, S, F> {
                 while march.run(
                     s,
                     rays,
-                    self.skip,
+                    self.medium.skip,
                     counter,
                     |_| (),
                     #[inline(always)]
                     |sample, counter| {
-                        let value = self.field.values(s, sample.index, sample.lanes);
-                        let mut alpha = self.table.lookup(s, value)[3];
-                        let visible = sample.lanes & alpha.simd_gt(splat(s, 0.0));
+                        let Some((alpha, visible)) = self.medium.opacities(sample) else { return all(s, false) };
                         counter.see(visible);
-                        if sample.shortened {
-                            let corrected = opacity_over(s, alpha, sample.ratio);
-                            alpha = sample.ratio.simd_lt(splat(s, 1.0)).select(corrected, alpha);
-                        }
                         transmittance = visible.select(transmittance - transmittance * alpha, transmittance);
                         all(s, false)
                     },

@@ -36,6 +36,15 @@ pub struct Varied<'a> {
     pub chroma: Option<Chroma>,
 }
 
+/// Optics that vary or do not.
+impl Vary for Option<Varied<'_>> {
+    #[inline(always)]
+    fn vary<S: Lanes>(&self, s: S, index: &Vec3<S>, rgba: [F32<S>; 4]) -> [F32<S>; 4] {
+        let Some(varied) = self else { return rgba };
+        varied.associated(s, &varied.noise(s, index), rgba)
+    }
+}
+
 impl Varied<'_> {
     /// The noise at index positions, within -1 and 1.
     #[inline(always)]
@@ -106,17 +115,17 @@ impl Vary for Placed<'_> {
 }
 
 /// Classified samples that vary.
-pub struct VariedSamples<'a, C> {
+pub struct VariedSamples<C, V> {
     /// How they are classified.
     pub classifier: C,
     /// What varies them.
-    pub placed: Placed<'a>,
+    pub vary: V,
 }
 
-impl<S: Lanes, C: Classify<S>> Classify<S> for VariedSamples<'_, C> {
+impl<S: Lanes, C: Classify<S>, V: Vary> Classify<S> for VariedSamples<C, V> {
     #[inline(always)]
     fn classify(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Element<S>> {
         let Element { rgba, visible } = self.classifier.classify(s, value, sample)?;
-        Some(Element { rgba: self.placed.vary(s, &sample.index, rgba), visible })
+        Some(Element { rgba: self.vary.vary(s, &sample.index, rgba), visible })
     }
 }

@@ -3,15 +3,18 @@
 use pellucid_field::Sampler;
 use pellucid_scene::Classification;
 
-use super::{Integrals, OneGrid};
+use super::{Integrals, Level, OneGrid};
 use crate::classify::{Classify, Lookup, Post, Pre, PreEach, Segments};
-use crate::field::{Field, Moved};
+use crate::field::{Any, Field, Moved};
 use crate::lanes::Lanes;
 use crate::paint::Paint;
 use crate::prepare::Prepared;
 use crate::reconstruct::WithField;
 use crate::surface::Surface;
 use crate::vary::{Placed, Uniform, Varied, VariedSamples, Vary};
+
+/// A medium between samples and lights.
+pub type Shadowing<'a, S> = OneGrid<'a, S, Any<'a, S>, VariedSamples<Post<'a>, Option<Varied<'a>>>>;
 
 /// What is to be done with a medium of whatever type.
 pub trait WithMedium<'a, S: Lanes> {
@@ -55,7 +58,7 @@ impl Prepared<'_> {
             let field = self.any(sampler);
             return match self.placed() {
                 Some(placed) => {
-                    let optics = VariedSamples { classifier, placed };
+                    let optics = VariedSamples { classifier, vary: placed };
                     with.samples(self.one_grid(s, field, optics, surface))
                 }
                 None => with.samples(self.one_grid(s, field, classifier, surface)),
@@ -71,7 +74,7 @@ impl Prepared<'_> {
                 with.segments(self.one_grid(s, field, optics, surface))
             }
             None => {
-                let optics = VariedSamples { classifier: Post(self.lookup()), placed };
+                let optics = VariedSamples { classifier: Post(self.lookup()), vary: placed };
                 with.samples(self.one_grid(s, field, optics, surface))
             }
         }
@@ -85,7 +88,8 @@ impl Prepared<'_> {
         Pre { field: self.any(sampler), lookup: Lookup::of_steps(&self.tables.step_table), each }
     }
 
-    fn one_grid<'a, S: Lanes, F: Field<S>, O>(
+    /// The medium with a field, optics, and light on it.
+    pub fn one_grid<'a, S: Lanes, F: Field<S>, O>(
         &'a self,
         s: S,
         field: F,
@@ -96,22 +100,30 @@ impl Prepared<'_> {
         OneGrid { s, field, optics, surface, cuts: self.cuts(), skip, levels, chroma: self.stage.chroma(self.volume) }
     }
 
-    /// What holds light back on its way to samples, steps of shadow rays at a time.
-    ///
-    /// # Panics
-    /// If the stage casts no shadow rays.
-    pub fn shadowing<'a, S: Lanes, W: WithMedium<'a, S>>(&'a self, s: S, sampler: Sampler<'a>, with: W) -> W::Output {
-        let shadows = self.shadows.as_ref().expect("shadow rays are cast");
-        let (field, post) = (self.any(sampler), Post(Lookup::of_steps(&shadows.table)));
-        match self.varied() {
-            Some(varied) => {
-                // Light is lost in a place, whatever the colours of its voxels.
-                let placed = Placed { paint: None, varied: Some(varied) };
-                let optics = VariedSamples { classifier: post, placed };
-                with.samples(self.one_grid(s, field, optics, None))
-            }
-            None => with.samples(self.one_grid(s, field, post, None)),
-        }
+    /// What holds light back on its way to samples, steps of shadow rays at a time, if such are cast.
+    pub fn shadowing<'a, S: Lanes>(&'a self, s: S, sampler: Sampler<'a>) -> Option<Shadowing<'a, S>> {
+        let shadows = self.shadows.as_ref()?;
+        // Light is lost in a place, whatever the colours of its voxels.
+        let optics = VariedSamples { classifier: Post(Lookup::of_steps(&shadows.table)), vary: self.varied() };
+        Some(self.one_grid(s, self.any(sampler), optics, None))
+    }
+
+    /// The isosurfaces of the volume, classified, in ascending order.
+    pub fn surfaces<'a, S: Lanes, F: Field<S>>(
+        &'a self,
+        s: S,
+        field: F,
+        surface: Option<Surface<'a, S>>,
+    ) -> OneGrid<'a, S, F, Vec<Level>> {
+        let tf = &self.volume.transfer_function;
+        let levels = self.stage.isovalues(self.number).iter().map(|iso| Level::new(iso, tf)).collect();
+        self.one_grid(s, field, levels, surface)
+    }
+
+    /// The medium of a radiograph: opacities of single steps.
+    pub fn radiograph<'a, S: Lanes>(&'a self, s: S, sampler: Sampler<'a>) -> OneGrid<'a, S, Any<'a, S>, Post<'a>> {
+        let optics = Post(Lookup::of_steps(&self.tables.step_table));
+        self.one_grid(s, self.any(sampler), optics, None)
     }
 
     /// What of optics depends on the place, if anything does.

@@ -4,13 +4,15 @@
 //! [`Layer`], merged sample by sample.
 
 mod choice;
+mod crossing;
 mod many;
 mod merge;
 mod one_grid;
 mod run;
 mod ways;
 
-pub use choice::WithMedium;
+pub use choice::{Shadowing, WithMedium};
+pub use crossing::{Crossed, Level, crosses};
 pub use many::Many;
 pub use merge::merged;
 pub use one_grid::{Integrals, OneGrid, Segmented};
@@ -21,7 +23,7 @@ use crate::cut::Cut;
 use crate::element::Element;
 use crate::lanes::*;
 use crate::packet::{Packet, Rays};
-use crate::surface::Aim;
+use crate::surface::{Aim, Surface};
 
 /// What light needs of the eye's rays.
 pub struct Beam<S: Lanes> {
@@ -29,6 +31,14 @@ pub struct Beam<S: Lanes> {
     pub aim: Aim<S>,
     /// The faces of cut matter by which rays came in.
     pub cut: Cut<S>,
+}
+
+impl<S: Lanes> Beam<S> {
+    /// Gradients at index positions as a surface takes them: what is cut has those of its faces.
+    #[inline(always)]
+    pub fn gradients(&self, s: S, surface: &Surface<S>, index: &Vec3<S>, gradients: Vec3<S>) -> Vec3<S> {
+        if surface.weighs_gradients() { gradients } else { self.cut.gradients(s, index, gradients) }
+    }
 }
 
 /// A volume among others.

@@ -13,7 +13,7 @@ use crate::packet::{Packet, Rays};
 use crate::samples::Sample;
 use crate::segments::Segment;
 use crate::skip::{Levels, SkipGrid};
-use crate::surface::{Surface, Unlit, normals};
+use crate::surface::{Aim, Surface, Unlit, normals};
 use crate::vary::Vary;
 
 /// The field of a volume, what it looks like, and the light on it. Its optics `O` are asked for single samples
@@ -46,27 +46,28 @@ pub struct Integrals<'a, V> {
 }
 
 impl<S: Lanes, F: Field<S>, O> OneGrid<'_, S, F, O> {
-    /// What light needs of the eye's rays, if samples are lit.
+    /// What light needs of rays that go on to the eye, if samples are lit.
     #[inline(always)]
-    pub fn beam(&self, packet: &Packet, rays: &Rays<S>) -> Option<Beam<S>> {
-        let s = self.s;
-        let to_eye = xyz!(I => -load(s, &packet.world_direction[I]));
-        self.surface.as_ref().map(
-            #[inline(always)]
-            |surface| Beam { aim: surface.aim(s, to_eye), cut: self.cuts.met(s, &rays.origin, &rays.direction) },
-        )
+    pub fn aim(&self, to_eye: Vec3<S>) -> Option<Aim<S>> {
+        Some(self.surface.as_ref()?.aim(self.s, to_eye))
+    }
+
+    /// The same of rays that enter in index directions, with the faces by which they do.
+    #[inline(always)]
+    pub fn beam(&self, to_eye: Vec3<S>, entry: &Vec3<S>, direction: &Vec3<S>) -> Option<Beam<S>> {
+        Some(Beam { aim: self.aim(to_eye)?, cut: self.cuts.met(self.s, entry, direction) })
     }
 
     /// Shades associated samples, if samples are lit.
     #[inline(always)]
     fn lit(&self, beam: Option<&Beam<S>>, sample: &Unlit<S>, gradients: impl FnOnce() -> Vec3<S>) -> [F32<S>; 4] {
-        let (Some(surface), Some(Beam { aim, cut })) = (&self.surface, beam) else { return sample.rgba };
+        let (s, Some(surface), Some(beam)) = (self.s, &self.surface, beam) else { return sample.rgba };
         surface.shade(
-            self.s,
+            s,
             sample,
-            aim,
+            &beam.aim,
             #[inline(always)]
-            || if surface.weighs_gradients() { gradients() } else { cut.gradients(self.s, &sample.index, gradients()) },
+            || beam.gradients(s, surface, &sample.index, gradients()),
         )
     }
 
@@ -104,6 +105,18 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> OneGrid<'_, S, F, C> {
             );
         }
         Some(Element { rgba, visible })
+    }
+
+    /// Opacities of samples alone, whatever their colours, and the lanes that have any; `None` if there are none.
+    #[inline(always)]
+    pub fn opacities(&self, sample: &Sample<S>) -> Option<(F32<S>, Mask<S>)> {
+        let s = self.s;
+        let value = self.field.values(s, sample.index, sample.lanes);
+        let Element { rgba: [.., mut alpha], visible } = self.optics.classify(s, value, sample)?;
+        if sample.shortened {
+            alpha = sample.ratio.simd_lt(splat(s, 1.0)).select(opacity_over(s, alpha, sample.ratio), alpha);
+        }
+        Some((alpha, visible))
     }
 }
 
@@ -151,7 +164,7 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> Layer<S> for OneGrid<'_, S, F, C> {
     fn aim(&self, packet: &Packet, rays: &Rays<S>) -> Option<Beam<S>> {
         self.s.vectorize(
             #[inline(always)]
-            || self.beam(packet, rays),
+            || self.beam(packet.to_eye(self.s), &rays.origin, &rays.direction),
         )
     }
 
@@ -202,7 +215,7 @@ impl<S: Lanes, F: Field<S>, V: Vary> Layer<S> for Segmented<OneGrid<'_, S, F, In
     fn aim(&self, packet: &Packet, rays: &Rays<S>) -> Option<Beam<S>> {
         self.0.s.vectorize(
             #[inline(always)]
-            || self.0.beam(packet, rays),
+            || self.0.beam(packet.to_eye(self.0.s), &rays.origin, &rays.direction),
         )
     }
 

@@ -1,27 +1,17 @@
 //! Shadow rays through a medium (6.1-1, K-03): `exp` of less the extinction along the way.
 
 use super::{DARK, Shadow, ToLights};
-use crate::classify::Lookup;
-use crate::field::Any;
-use crate::field::Field;
 use crate::integrator::Counter;
 use crate::lanes::*;
+use crate::medium::Shadowing;
 use crate::samples::March;
-use crate::skip::SkipGrid;
-use crate::vary::Varied;
 
 /// A medium between samples and lights.
-pub struct Media<'a, S> {
-    /// The field.
-    pub field: Any<'a, S>,
-    /// Opacities of one step on the way to a light.
-    pub table: Lookup<'a>,
+pub struct Media<'a, S: Lanes> {
+    /// What it is made of, by steps of shadow rays.
+    pub medium: Shadowing<'a, S>,
     /// The ways.
     pub ways: ToLights,
-    /// Blocks that can contribute, if empty space is skipped.
-    pub skip: Option<&'a SkipGrid>,
-    /// What varies opacities, if anything does.
-    pub varied: Option<Varied<'a>>,
 }
 
 impl<S: Lanes> Shadow<S> for Media<'_, S> {
@@ -35,24 +25,12 @@ impl<S: Lanes> Shadow<S> for Media<'_, S> {
                 while march.run(
                     s,
                     &rays,
-                    self.skip,
+                    self.medium.skip,
                     &mut counter,
                     |_| (),
                     #[inline(always)]
                     |sample, _| {
-                        let value = self.field.values(s, sample.index, sample.lanes);
-                        let position = self.table.position(s, value);
-                        let visible = sample.lanes & self.table.may_be_visible(s, position);
-                        if !visible.any_true() {
-                            return all(s, false);
-                        }
-                        let mut alpha = self.table.at(s, position, None)[3];
-                        if let Some(varied) = &self.varied {
-                            alpha = varied.opacity(s, &varied.noise(s, &sample.index), alpha);
-                        }
-                        if sample.shortened {
-                            alpha = sample.ratio.simd_lt(one).select(opacity_over(s, alpha, sample.ratio), alpha);
-                        }
+                        let Some((alpha, visible)) = self.medium.opacities(sample) else { return all(s, false) };
                         transmittance = visible.select(transmittance * (one - alpha), transmittance);
                         transmittance.simd_lt(splat(s, DARK))
                     },

@@ -3,26 +3,19 @@
 use super::{Shadow, ToLights, Turn};
 use crate::field::Any;
 use crate::integrator::Counter;
-use crate::isosurface::{Level, between};
 use crate::lanes::*;
+use crate::medium::{Level, OneGrid, crosses};
 use crate::packet::Rays;
 use crate::segments::{Segment, Verdict, Visit, each_surface};
-use crate::skip::SkipGrid;
 
 /// Surfaces between samples, which lie on one of them, and lights.
 pub struct Surfaces<'a, S> {
-    /// The instruction set.
-    pub s: S,
-    /// The field.
-    pub field: Any<'a, S>,
-    /// The surfaces.
-    pub levels: Vec<Level>,
+    /// What they lie in.
+    pub medium: OneGrid<'a, S, Any<'a, S>, Vec<Level>>,
     /// The ways.
     pub ways: ToLights,
     /// How many steps off the surface they begin: as far as the roughness of sampled data reaches.
     pub away: f32,
-    /// Blocks that hold a surface, if the others are skipped.
-    pub skip: Option<&'a SkipGrid>,
 }
 
 impl<S: Lanes> Shadow<S> for Surfaces<'_, S> {
@@ -61,7 +54,7 @@ impl<S: Lanes> Surfaces<'_, S> {
     #[inline(always)]
     fn along(&self, s: S, rays: &Rays<S>) -> F32<S> {
         let mut passing = Passing { surfaces: self, transmittance: splat(s, 1.0) };
-        each_surface(s, &self.field, rays, self.skip, &mut Counter::new(s), &mut passing);
+        each_surface(s, &self.medium.field, rays, self.medium.skip, &mut Counter::new(s), &mut passing);
         passing.transmittance
     }
 }
@@ -75,9 +68,9 @@ struct Passing<'a, S: Lanes> {
 impl<S: Lanes> Visit<S> for Passing<'_, S> {
     #[inline(always)]
     fn visit(&mut self, segment: &Segment<S>, _: &mut Counter<S>) -> Verdict<S> {
-        let s = self.surfaces.s;
-        for level in &self.surfaces.levels {
-            let met = segment.lanes & between::<S>(segment.value, splat(s, level.value));
+        let (s, levels) = (self.surfaces.medium.s, &self.surfaces.medium.optics);
+        for level in levels {
+            let met = segment.lanes & crosses::<S>(segment.value, splat(s, level.value));
             self.transmittance = met.select(self.transmittance * (1.0 - level.opacity), self.transmittance);
         }
         Verdict { done: self.transmittance.simd_le(splat(s, 0.0)), wait: all(s, false) }
