@@ -165,12 +165,20 @@ pub struct Post<'a>(pub Lookup<'a>);
 impl<S: Lanes> Classify<S> for Post<'_> {
     #[inline(always)]
     fn classify(&self, s: S, value: F32<S>, sample: &Sample<S>) -> Option<Element<S>> {
+        self.of_level(s, value, sample.lanes, sample.level)
+    }
+}
+
+impl Post<'_> {
+    /// Samples with these values, of the table of a level.
+    #[inline(always)]
+    pub fn of_level<S: Lanes>(&self, s: S, value: F32<S>, lanes: Mask<S>, level: Option<I32<S>>) -> Option<Element<S>> {
         let position = self.0.position(s, value);
-        let candidates = sample.lanes & self.0.may_be_visible(s, position);
+        let candidates = lanes & self.0.may_be_visible(s, position);
         if !candidates.any_true() {
             return None;
         }
-        let rgba = self.0.at(s, position, sample.level);
+        let rgba = self.0.at(s, position, level);
         let visible = candidates & rgba[3].simd_gt(splat(s, 0.0));
         Some(Element { rgba, visible })
     }

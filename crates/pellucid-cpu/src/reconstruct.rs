@@ -54,7 +54,7 @@ impl Prepared<'_> {
         let plain = self.undisplaced(sampler);
         let Some(displacer) = &self.tables.displacer else { return plain };
         let (bounds, grid) = (Bounds::new(self.grid(), &self.region), self.grid());
-        Any(Box::new(Entered(Displaced::new(plain, displacer, bounds, grid.world_from_index_gradient()))))
+        Box::new(Entered(Displaced::new(plain, displacer, bounds, grid.world_from_index_gradient())))
     }
 
     fn undisplaced<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
@@ -63,7 +63,7 @@ impl Prepared<'_> {
             Voxels::U32(_) | Voxels::I32(_) if !fits(&self.tables.field) => None,
             voxels => for_voxels!(voxels, data => self.boxed(data, &sampler)),
         };
-        Any(boxed.unwrap_or_else(|| Box::new(Entered(General(self.probe(sampler), knots)))))
+        boxed.unwrap_or_else(|| Box::new(Entered(General(self.probe(sampler), knots))))
     }
 
     fn boxed<'a, S: Lanes, T: Texel>(&'a self, data: &'a [T], sampler: &Sampler<'a>) -> Option<Box<dyn Field<S> + 'a>> {

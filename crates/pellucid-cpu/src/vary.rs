@@ -48,7 +48,7 @@ impl Vary for Option<Varied<'_>> {
 impl Varied<'_> {
     /// The noise at index positions, within -1 and 1.
     #[inline(always)]
-    pub fn noise<S: Lanes>(&self, s: S, index: &Vec3<S>) -> [F32<S>; 4] {
+    fn noise<S: Lanes>(&self, s: S, index: &Vec3<S>) -> [F32<S>; 4] {
         let noise = turbulence::<S, 4>(s, self.variation.turbulence(), index);
         rgba!(C => noise[C].max(splat(s, -1.0)).min(splat(s, 1.0)))
     }
@@ -59,15 +59,9 @@ impl Varied<'_> {
         noise[3].mul_add(splat(s, self.variation.weights[0]), splat(s, 1.0)).max(splat(s, Variation::LEAST))
     }
 
-    /// Opacities of any length.
-    #[inline(always)]
-    pub fn opacity<S: Lanes>(&self, s: S, noise: &[F32<S>; 4], alpha: F32<S>) -> F32<S> {
-        if self.variation.weights[0] == 0.0 { alpha } else { opacity_over(s, alpha, self.extinction(s, noise)) }
-    }
-
     /// Associated colours and opacities of any length.
     #[inline(always)]
-    pub fn associated<S: Lanes>(&self, s: S, noise: &[F32<S>; 4], rgba: [F32<S>; 4]) -> [F32<S>; 4] {
+    fn associated<S: Lanes>(&self, s: S, noise: &[F32<S>; 4], rgba: [F32<S>; 4]) -> [F32<S>; 4] {
         let mut varied = rgba;
         if self.variation.weights[0] != 0.0 {
             varied = chroma::over_length(s, self.chroma.as_ref(), varied, self.extinction(s, noise));
@@ -84,7 +78,7 @@ impl Varied<'_> {
 
     /// What gets through of indirect light.
     #[inline(always)]
-    pub fn transport<S: Lanes>(&self, s: S, noise: &[F32<S>; 4], transmittance: [F32<S>; 3]) -> [F32<S>; 3] {
+    fn transport<S: Lanes>(&self, s: S, noise: &[F32<S>; 4], transmittance: [F32<S>; 3]) -> [F32<S>; 3] {
         if self.variation.weights[2] == 0.0 {
             return transmittance;
         }
@@ -101,16 +95,33 @@ pub struct Placed<'a> {
     pub varied: Option<Varied<'a>>,
 }
 
-impl Vary for Placed<'_> {
+impl Placed<'_> {
+    /// Associated colours at index positions and, if asked for, what gets through of indirect light there.
     #[inline(always)]
-    fn vary<S: Lanes>(&self, s: S, index: &Vec3<S>, mut rgba: [F32<S>; 4]) -> [F32<S>; 4] {
+    pub fn at<S: Lanes>(
+        &self,
+        s: S,
+        index: &Vec3<S>,
+        mut rgba: [F32<S>; 4],
+        transmittance: Option<[F32<S>; 3]>,
+    ) -> ([F32<S>; 4], Option<[F32<S>; 3]>) {
         if let Some(paint) = &self.paint {
             rgba = paint.tint(s, index, rgba);
         }
-        match &self.varied {
-            Some(varied) => varied.associated(s, &varied.noise(s, index), rgba),
-            None => rgba,
-        }
+        let Some(varied) = &self.varied else { return (rgba, transmittance) };
+        let noise = varied.noise(s, index);
+        let transmittance = transmittance.map(
+            #[inline(always)]
+            |transmittance| varied.transport(s, &noise, transmittance),
+        );
+        (varied.associated(s, &noise, rgba), transmittance)
+    }
+}
+
+impl Vary for Placed<'_> {
+    #[inline(always)]
+    fn vary<S: Lanes>(&self, s: S, index: &Vec3<S>, rgba: [F32<S>; 4]) -> [F32<S>; 4] {
+        self.at(s, index, rgba, None).0
     }
 }
 

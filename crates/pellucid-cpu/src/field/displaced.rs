@@ -159,10 +159,8 @@ mod tests {
 
     fn check<S: Lanes>(s: S, volume: &Volume, region: &Region, displacer: &Displacer) {
         let (grid, sampler) = (volume.grid(), Sampler::new(volume, 0, Filter::Linear).unwrap());
-        let plain: Any<S> = Any(Box::new(Entered(General(
-            Probe::new(sampler.clone(), grid, region, Gradient::Central),
-            Knots::VOXELS,
-        ))));
+        let plain: Any<S> =
+            Box::new(Entered(General(Probe::new(sampler.clone(), grid, region, Gradient::Central), Knots::VOXELS)));
         let bounds = Bounds::new(grid, region);
         let field = Entered(Displaced::new(plain, displacer, bounds, grid.world_from_index_gradient()));
         let moved = Moved { sampler, displacer: Some(displacer) };

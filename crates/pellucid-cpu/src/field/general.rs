@@ -1,5 +1,7 @@
 //! Fields that are asked lane by lane, and fields of any kind behind one type.
 
+use std::ops::Deref;
+
 use glam::DVec3;
 use pellucid_field::{Reconstruct, Sampler};
 
@@ -28,47 +30,48 @@ impl<S: Lanes> Field<S> for General<'_> {
 
 /// A field known at run time only: one virtual call a packet, for modes that are not worth a copy
 /// of their own for every voxel type.
-pub struct Any<'a, S>(pub Box<dyn Field<S> + 'a>);
+pub type Any<'a, S> = Box<dyn Field<S> + 'a>;
 
-impl<S: Lanes> Field<S> for Any<'_, S> {
+/// What leads to a field stands for it.
+impl<S: Lanes, P: Deref<Target: Field<S>> + Sync> Field<S> for P {
     #[inline(always)]
     fn values(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> F32<S> {
-        self.0.values(s, index, lanes)
+        (**self).values(s, index, lanes)
     }
 
     #[inline(always)]
     fn gradients(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Vec3<S> {
-        self.0.gradients(s, index, lanes)
+        (**self).gradients(s, index, lanes)
     }
 
     #[inline(always)]
     fn prefetch(&self, s: S, index: Vec3<S>) {
-        self.0.prefetch(s, index);
+        (**self).prefetch(s, index);
     }
 
     #[inline(always)]
     fn values_near(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> (F32<S>, Near<S>) {
-        self.0.values_near(s, index, lanes)
+        (**self).values_near(s, index, lanes)
     }
 
     #[inline(always)]
     fn gradients_near(&self, s: S, near: &Near<S>, lanes: Mask<S>) -> Vec3<S> {
-        self.0.gradients_near(s, near, lanes)
+        (**self).gradients_near(s, near, lanes)
     }
 
     #[inline(always)]
     fn knots(&self) -> Knots {
-        self.0.knots()
+        (**self).knots()
     }
 
     #[inline(always)]
     fn highest(&self, s: S, piece: &[Vec3<S>; 2], sign: f32, above: F32<S>, lanes: Mask<S>) -> [F32<S>; 2] {
-        self.0.highest(s, piece, sign, above, lanes)
+        (**self).highest(s, piece, sign, above, lanes)
     }
 
     #[inline(always)]
     fn corners(&self, s: S, index: Vec3<S>, lanes: Mask<S>) -> Option<Corners<S>> {
-        self.0.corners(s, index, lanes)
+        (**self).corners(s, index, lanes)
     }
 }
 

@@ -9,16 +9,15 @@ use pellucid_scene::{Overlap, Stage};
 use super::buffer::LightBuffer;
 use super::crossing::{Crossing, Crossings, Passage, UNASKED};
 use super::eye::{Attenuation, Eye};
+use super::optics::{SlabOptics, SlabSample};
 use crate::chroma;
-use crate::cut::Cut;
 use crate::element::Element;
 use crate::field::{Field, lane_position};
 use crate::integrator::{Found, Tally};
 use crate::lanes::*;
-use crate::medium::merged;
+use crate::medium::{Beam, OneGrid, merged};
 use crate::packet::{Packet, PerLane};
 use crate::prepare::Prepared;
-use crate::surface::Aim;
 
 /// Rays of the eye side by side, and what they have gathered.
 pub struct EyePacket {
@@ -106,8 +105,7 @@ struct SlabElement<S: Lanes> {
 /// A ray in a layer.
 struct LayerRay<S: Lanes> {
     rays: Crossings<S>,
-    aim: Aim<S>,
-    cut: Cut<S>,
+    beam: Option<Beam<S>>,
 }
 
 impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
@@ -125,8 +123,8 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
 
     /// The first of the layers: what all have in common is told of it.
     #[inline(always)]
-    fn first(&self) -> &Eye<'_, S, F> {
-        &self.layers[0]
+    fn first(&self) -> &OneGrid<'_, S, &F, SlabOptics<'_>> {
+        &self.layers[0].medium
     }
 
     #[inline(always)]
@@ -138,8 +136,8 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
         let mut lines = Vec::with_capacity(self.layers.len());
         for (eye, crossing) in self.layers.iter().zip(&packet.crossings) {
             let rays = Crossings::new(s, crossing);
-            let cut = eye.cut(&rays, backward);
-            lines.push(LayerRay { rays, aim: eye.surface.aim(s, to_eye), cut });
+            let beam = eye.beam(to_eye, &rays, backward);
+            lines.push(LayerRay { rays, beam });
         }
         let mut color = rgba!(C => load(s, &packet.color[C]));
         let [mut half, mut samples] = [load(s, &packet.half), load(s, &packet.samples)];
@@ -164,11 +162,11 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
                             continue;
                         }
                         samples = lanes.select(samples + 1.0, samples);
-                        eye.see(&passage, lanes, light.1).map(
+                        eye.see(&passage.index, lanes).map(
                             #[inline(always)]
                             |sight| {
-                                let held = Attenuation { alpha: sight.one_step[3], transmittance: sight.transmittance };
-                                let element = eye.lit(&sight, &held, &passage, light, (&line.aim, &line.cut));
+                                let held = Attenuation { alpha: sight.rgba[3], transmittance: sight.transmittance };
+                                let element = eye.lit(&sight, &held, &passage, light, line.beam.as_ref());
                                 SlabElement { place: passage.place, element }
                             },
                         )
@@ -208,13 +206,13 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
     fn leap(&self, lines: &[LayerRay<S>], k: usize) -> usize {
         let mut least = usize::MAX;
         for (eye, line) in self.layers.iter().zip(lines) {
-            let Some(skip) = eye.skip else { return 0 };
+            let Some(skip) = eye.medium.skip else { return 0 };
             // What rays have left behind lets them leap however far, and another layer is still ahead.
             let leap = line.rays.leap(
-                eye.s,
+                eye.medium.s,
                 k,
                 #[inline(always)]
-                |index| skip.clear(eye.s, index, &line.rays.inverse),
+                |index| skip.clear(eye.medium.s, index, &line.rays.inverse),
             );
             least = least.min(leap);
         }
@@ -243,8 +241,8 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
                     if !lanes.any_true() {
                         continue;
                     }
-                    if let Some(sight) = eye.see(&passage, lanes, light.1) {
-                        left = sight.visible.select(left * (one - sight.one_step[3]), left);
+                    if let Some(sight) = eye.see(&passage.index, lanes) {
+                        left = sight.visible.select(left * (one - sight.rgba[3]), left);
                         sights.push((eye, line, passage, sight));
                     }
                 }
@@ -260,7 +258,7 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
                 let (held, mut place) = (Attenuation { alpha: one - left, transmittance }, splat(s, 0.0));
                 let mut elements = Vec::with_capacity(sights.len());
                 for (eye, line, passage, sight) in &sights {
-                    elements.push(eye.lit(sight, &held, passage, light, (&line.aim, &line.cut)));
+                    elements.push(eye.lit(sight, &held, passage, light, line.beam.as_ref()));
                     place = sight.visible.select(passage.place, place);
                 }
                 let element = merged(s, Overlap::Add, &elements);
@@ -344,12 +342,12 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
                 let (mut normal, mut most) = ([splat(s, 0.0); 3], splat(s, 0.0));
                 for (eye, rays) in self.layers.iter().zip(lines) {
                     let (place, lanes) = (rays.at(half), met & rays.holds(half));
-                    let (alpha, visible) = eye.opacities(&place, lanes);
-                    let more = visible & alpha.simd_gt(most);
+                    let Some(SlabSample { rgba, visible, .. }) = eye.see(&place, lanes) else { continue };
+                    let more = visible & rgba[3].simd_gt(most);
                     if more.any_true() {
                         let own = eye.normals(place, more);
                         normal = xyz!(I => more.select(own[I], normal[I]));
-                        most = more.select(alpha, most);
+                        most = more.select(rgba[3], most);
                     }
                 }
                 normal
@@ -378,8 +376,8 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
                 if !lanes.any_true() {
                     continue;
                 }
-                let (alpha, visible) = eye.opacities(&index, lanes);
-                let alpha = opacity_over(s, alpha, ratio);
+                let Some(SlabSample { rgba, visible, .. }) = eye.see(&index, lanes) else { continue };
+                let alpha = opacity_over(s, rgba[3], ratio);
                 transmittance = visible.select(transmittance * (one - alpha), transmittance);
                 let here = visible & transmittance.simd_le(splat(s, 0.5));
                 found = here.select(place, found);
@@ -394,13 +392,13 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
     fn leap_back(&self, lines: &[Crossings<S>], k: usize) -> usize {
         let mut least = usize::MAX;
         for (eye, rays) in self.layers.iter().zip(lines) {
-            let Some(skip) = eye.skip else { return 0 };
+            let Some(skip) = eye.medium.skip else { return 0 };
             let back = xyz!(I => -rays.inverse[I]);
             let leap = rays.leap_back(
-                eye.s,
+                eye.medium.s,
                 k,
                 #[inline(always)]
-                |index| skip.clear(eye.s, index, &back),
+                |index| skip.clear(eye.medium.s, index, &back),
             );
             least = least.min(leap);
         }

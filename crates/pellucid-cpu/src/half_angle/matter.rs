@@ -4,20 +4,22 @@ use std::ops::Range;
 use std::slice;
 
 use pellucid_field::Grid;
-use pellucid_optics::Chroma;
 use pellucid_plan::half_angle::Slabs;
+use pellucid_scene::HalfAngle;
 
 use super::crossing::{Crossing, Crossings, Passage, UNASKED};
-use super::transport;
+use super::lengths::Lengths;
+use super::optics::{SlabOptics, SlabSample};
 use crate::chroma;
-use crate::classify::Lookup;
+use crate::classify::Post;
 use crate::field::Field;
 use crate::lanes::{self, *};
+use crate::medium::OneGrid;
 use crate::packet::Packet;
+use crate::prepare::Prepared;
 use crate::rays::Emitter;
-use crate::skip::SkipGrid;
 use crate::solid::Solid;
-use crate::vary::Varied;
+use crate::vary::Placed;
 
 /// Lengths that differ by less are the same.
 const ROUNDING: f32 = 1e-6;
@@ -140,30 +142,29 @@ impl Band {
 
 /// What is needed to look matter up.
 pub struct Matter<'a, S, F> {
-    /// The instruction set.
-    pub s: S,
-    /// The field.
-    pub field: &'a F,
-    /// How far light travels in a slab, in steps.
-    pub steps: f32,
-    /// Opacities over that length.
-    pub table: Lookup<'a>,
-    /// How each colour is held back, if not all alike: opacities are of the one that is lost least.
-    pub chroma: Option<Chroma>,
-    /// What gets through of indirect light, if that is something else.
-    pub transport: Option<Lookup<'a>>,
-    /// Blocks that can contribute, if empty space is skipped.
-    pub skip: Option<&'a SkipGrid>,
-    /// What varies them, if anything does.
-    pub varied: Option<Varied<'a>>,
+    /// What lies along the light's rays, by the length that light travels in a slab.
+    pub medium: OneGrid<'a, S, &'a F, SlabOptics<'a>>,
+    /// That length in steps.
+    steps: f32,
 }
 
-impl<S: Lanes, F: Field<S>> Matter<'_, S, F> {
+impl<'a, S: Lanes, F: Field<S>> Matter<'a, S, F> {
+    /// A volume on the ways of a light, and of indirect light if there is such.
+    pub fn new(s: S, prepared: &'a Prepared, lengths: &'a Lengths, field: &'a F, settings: &HalfAngle) -> Self {
+        let optics = SlabOptics {
+            classifier: Post(lengths.opacity()),
+            transport: lengths.transport().filter(|_| settings.indirect > 0.0),
+            // Light is lost in a place, whatever the colours of its voxels.
+            placed: Placed { paint: None, varied: prepared.varied() },
+        };
+        Self { medium: prepared.one_grid(s, field, optics, None), steps: lengths.steps }
+    }
+
     /// Looks up what a run of slabs holds in a band.
     pub fn look_up(&self, band: &mut Band, run: Range<usize>) {
         band.clear();
         let Band { packets, width: texels, channels, opacities, held } = band;
-        let s = self.s;
+        let s = self.medium.s;
         s.vectorize(
             #[inline(always)]
             || {
@@ -175,7 +176,7 @@ impl<S: Lanes, F: Field<S>> Matter<'_, S, F> {
                     let at = number * width::<S>();
                     let mut k = packet.next.max(run.start);
                     while k < run.end.min(packet.last) {
-                        if let Some(skip) = self.skip {
+                        if let Some(skip) = self.medium.skip {
                             let leap = rays.leap(
                                 s,
                                 k,
@@ -203,45 +204,28 @@ impl<S: Lanes, F: Field<S>> Matter<'_, S, F> {
     /// Writes down what rays meet in a slab, if anything.
     #[inline(always)]
     fn store(&self, rays: &Crossings<S>, k: usize, to: &mut [f32]) -> bool {
-        let (s, zero, one) = (self.s, splat(self.s, 0.0), splat(self.s, 1.0));
+        let s = self.medium.s;
+        let (zero, one) = (splat(s, 0.0), splat(s, 1.0));
         let Passage { index, ratio, lanes, .. } = rays.passage(s, k);
         if !lanes.any_true() {
             return false;
         }
-        let value = self.field.values(s, index, lanes);
-        let position = self.table.position(s, value);
-        let candidates = lanes & self.table.may_be_visible(s, position);
-        if !candidates.any_true() {
-            return false;
-        }
-        let mut alpha = self.table.at(s, position, None)[3];
-        let visible = candidates & alpha.simd_gt(zero);
-        if !visible.any_true() {
-            return false;
-        }
-        let noise = self.varied.map(
-            #[inline(always)]
-            |varied| (varied, varied.noise(s, &index)),
-        );
-        if let Some((varied, noise)) = &noise {
-            alpha = varied.opacity(s, noise, alpha);
-        }
         // Of the length that the tables are for: all of it, but where rays enter or leave, and of near lights.
         let is_whole = (ratio - self.steps).abs().simd_le(splat(s, self.steps * ROUNDING));
         let ratio = is_whole.select(one, ratio / self.steps);
+        let Some(SlabSample { rgba, visible, transmittance, .. }) = self.medium.at(&index, lanes, ratio) else {
+            return false;
+        };
+        let alpha = rgba[3];
         let corrected = if is_whole.all_true() { alpha } else { is_whole.select(alpha, opacity_over(s, alpha, ratio)) };
         let alpha = visible.select(corrected, zero);
         if to.len() == width::<S>() {
             alpha.store_slice(to);
             return true;
         }
-        let [red, green, blue] = chroma::opacities(s, self.chroma.as_ref(), alpha);
+        let [red, green, blue] = chroma::opacities(s, self.medium.chroma.as_ref(), alpha);
         let mut opacities = [alpha, red, green, blue];
-        if let Some(table) = &self.transport {
-            let mut transmittance = transport::transmittance(s, table, value, ratio);
-            if let Some((varied, noise)) = &noise {
-                transmittance = varied.transport(s, noise, transmittance);
-            }
+        if let Some(transmittance) = transmittance {
             for (opacity, transmittance) in opacities[1..].iter_mut().zip(transmittance) {
                 *opacity = visible.select(one - transmittance, zero);
             }

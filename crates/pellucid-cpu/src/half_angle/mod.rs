@@ -19,6 +19,7 @@ mod frame;
 mod lengths;
 mod look;
 mod matter;
+mod optics;
 mod step;
 mod sweep;
 mod transport;
@@ -34,7 +35,7 @@ use pellucid_scene::{Control, HalfAngle, InScatter};
 use rayon::prelude::*;
 
 use crate::RenderError;
-use crate::classify::Lookup;
+use crate::classify::{Lookup, Post};
 use crate::field::{Any, Field};
 use crate::integrator::Found;
 use crate::lanes::*;
@@ -45,11 +46,13 @@ use crate::reconstruct::WithField;
 use crate::solid::Solid;
 use crate::surface::Surface;
 use crate::tiles::{Tile, Tiles};
+use crate::vary::Placed;
 
 use eye::Eye;
 pub use lengths::Lengths;
 use look::{EyeLayers, EyePacket};
 pub use matter::Matter;
+use optics::SlabOptics;
 pub use sweep::Sweep;
 pub use work::Seen;
 
@@ -212,7 +215,7 @@ impl Drawing<'_> {
         packets
     }
 
-    fn eye<'f, S: Lanes, F>(&'f self, s: S, number: usize, field: &'f F) -> Eye<'f, S, F> {
+    fn eye<'f, S: Lanes, F: Field<S>>(&'f self, s: S, number: usize, field: &'f F) -> Eye<'f, S, F> {
         let (prepared, lengths, settings) = (&self.layers[number], &self.lengths[number], self.settings);
         let stage = prepared.stage;
         let (material, ambient) = material(stage, prepared.volume, settings, self.lights);
@@ -221,38 +224,24 @@ impl Drawing<'_> {
         if let Some(scatter) = prepared.scatter() {
             surface = surface.scattering(scatter);
         }
+        let optics = SlabOptics {
+            classifier: Post(Lookup::of_steps(prepared.step_table())),
+            transport: lengths.half_transport().filter(|_| settings.indirect > 0.0),
+            placed: Placed { paint: prepared.paint(), varied: prepared.varied() },
+        };
         Eye {
-            s,
-            field,
-            table: Lookup::of_steps(prepared.step_table()),
-            half_transport: lengths.half_transport(),
+            medium: prepared.one_grid(s, field, optics, Some(surface)),
             half: lengths.steps * 0.5,
-            surface,
-            chroma: stage.chroma(prepared.volume),
             frame: self.geometry.frame.on(prepared.grid()),
             ways: self.geometry.ways,
             correction: settings.correction,
             into_cone: (settings.in_scatter != InScatter::Indirect)
                 .then(|| into_cone(self.layers.iter().map(|layer| &layer.volume.scattering), settings)),
             scales: [settings.direct, settings.indirect],
-            cuts: prepared.cuts(),
-            skip: prepared.grids.skip.as_ref(),
-            varied: prepared.varied(),
-            paint: prepared.paint(),
         }
     }
 
-    fn matter<'f, S, F>(&'f self, s: S, number: usize, field: &'f F) -> Matter<'f, S, F> {
-        let (prepared, lengths) = (&self.layers[number], &self.lengths[number]);
-        Matter {
-            s,
-            field,
-            steps: lengths.steps,
-            table: lengths.opacity(),
-            chroma: prepared.stage.chroma(prepared.volume),
-            transport: lengths.transport().filter(|_| self.settings.indirect > 0.0),
-            skip: prepared.grids.skip.as_ref(),
-            varied: prepared.varied(),
-        }
+    fn matter<'f, S: Lanes, F: Field<S>>(&'f self, s: S, number: usize, field: &'f F) -> Matter<'f, S, F> {
+        Matter::new(s, &self.layers[number], &self.lengths[number], field, self.settings)
     }
 }

@@ -55,7 +55,7 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
     ) -> Result<Self, RenderError> {
         let stop = || if cancelled() { Err(RenderError::Cancelled) } else { Ok(()) };
         let Geometry { grid, frame, slabs, ways, longest } = geometry;
-        let (s, step, voxel) = (layers[0].s, prepared[0].stage.step, grid.smallest_spacing());
+        let (s, step, voxel) = (layers[0].medium.s, prepared[0].stage.step, grid.smallest_spacing());
         let indirect = (settings.indirect > 0.0).then_some(settings.initial_indirect);
         let across = frame.finest(grid);
         let farthest = if indirect.is_some() { taps::radius(settings, *longest, voxel) * across } else { 0.0 };
@@ -181,12 +181,12 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
             mark(bands, presence, &buffers[number].shape, number);
         }
         let step = Step {
-            s: layers[0].s,
+            s: layers[0].medium.s,
             slab,
             number,
             offsets: &offsets,
             radius: self.radius,
-            chroma: layers[0].chroma,
+            chroma: layers[0].medium.chroma,
             in_scatter: settings.in_scatter,
             phase: self.phase,
             presence: presence.as_deref(),

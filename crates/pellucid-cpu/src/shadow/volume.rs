@@ -73,16 +73,7 @@ fn sweep<S: Lanes>(
     let cancelled = || control.is_cancelled();
     let lengths = Lengths::new(prepared, *ways)?;
     let field = prepared.any(prepared.sampler()?);
-    let matter = Matter {
-        s,
-        field: &field,
-        steps: lengths.steps,
-        table: lengths.opacity(),
-        chroma: None,
-        transport: None,
-        skip: prepared.grids.skip.as_ref(),
-        varied: prepared.varied(),
-    };
+    let matter = Matter::new(s, prepared, &lengths, &field, settings);
     let mut light =
         Sweep::new(std::slice::from_ref(prepared), settings, geometry, vec![matter], Seen::Everywhere, cancelled)?;
     let [nx, ny, _] = points.dims();
