@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use pellucid_field::Grid;
+use pellucid_field::{Grid, Volume};
 use pellucid_optics::StepTable;
 use pellucid_plan::{BlockContent, BlockMap, ColorGrid, PlanCache, Tables};
 use pellucid_scene::{Region, Stage, StageVolume};
@@ -88,6 +88,8 @@ pub struct Prepared<'s> {
     pub region: Region,
     /// What is looked up.
     pub tables: Arc<Tables>,
+    /// What samples are made of, and which component of it.
+    pub values: (Arc<Volume>, usize),
     /// The colours of its voxels, if it is drawn in them.
     pub colors: Option<Arc<ColorGrid>>,
     /// What is leapt over.
@@ -118,6 +120,7 @@ impl<'s> Prepared<'s> {
             return Err(RenderError::Steps { found: steps, limit: MOST_STEPS });
         }
         let (tables, colors) = (cache.plan.tables(stage, layer)?, cache.plan.colors(stage, layer));
+        let values = cache.plan.values(stage, layer, &tables)?;
         cache.layers.resize_with(stage.volumes.len(), LayerCache::default);
         let grids = cache.layers[layer].grids(&tables);
         let length = stage.shadow_step(volume);
@@ -127,7 +130,7 @@ impl<'s> Prepared<'s> {
             Ok::<_, RenderError>(ShadowSteps { length, table })
         };
         let shadows = length.map(steps).transpose()?;
-        Ok(Self { stage, number: layer, volume, region: stage.region(volume), tables, colors, grids, shadows })
+        Ok(Self { stage, number: layer, volume, region: stage.region(volume), tables, values, colors, grids, shadows })
     }
 
     /// Associated colours of one step.

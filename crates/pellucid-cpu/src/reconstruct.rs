@@ -22,7 +22,8 @@ impl Prepared<'_> {
     /// # Errors
     /// [`RenderError::Field`] if the filter's parameters are out of range.
     pub fn sampler(&self) -> Result<Sampler<'_>, RenderError> {
-        Ok(Sampler::new(&self.tables.field, self.tables.component, self.tables.filter)?)
+        let (values, component) = &self.values;
+        Ok(Sampler::new(values, *component, self.tables.filter)?)
     }
 
     /// Does something with the field. What most data have, trilinear interpolation of a few voxel types, comes in a
@@ -39,7 +40,7 @@ impl Prepared<'_> {
                 }
             };
         }
-        match self.tables.field.voxels() {
+        match self.values.0.voxels() {
             Voxels::U8(data) => typed!(data),
             Voxels::U16(data) => typed!(data),
             Voxels::I16(data) => typed!(data),
@@ -59,8 +60,9 @@ impl Prepared<'_> {
 
     fn undisplaced<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
         let knots = self.knots(sampler.filter());
-        let boxed = match self.tables.field.voxels() {
-            Voxels::U32(_) | Voxels::I32(_) if !fits(&self.tables.field) => None,
+        let (values, _) = &self.values;
+        let boxed = match values.voxels() {
+            Voxels::U32(_) | Voxels::I32(_) if !fits(values) => None,
             voxels => for_voxels!(voxels, data => self.boxed(data, &sampler)),
         };
         boxed.unwrap_or_else(|| Box::new(Entered(General(self.probe(sampler), knots))))
@@ -71,11 +73,16 @@ impl Prepared<'_> {
         if (sampler.filter(), gradient) == (Filter::Linear, Gradient::Central) {
             return Some(Box::new(Entered(trilinear)));
         }
-        let view = ComponentView::new(&self.tables.field, data, self.tables.component);
+        let view = self.view(data);
         let bounds = Bounds::new(self.grid(), &self.region);
         let knots = self.knots(sampler.filter());
         let field = Separable::new(view, bounds, gradient, trilinear, knots, self.probe(sampler.clone()))?;
         Some(Box::new(Entered(field)))
+    }
+
+    fn view<'a, T: Texel>(&'a self, data: &'a [T]) -> ComponentView<'a, T> {
+        let (values, component) = &self.values;
+        ComponentView::new(values, data, *component)
     }
 
     fn probe<'a, R: Reconstruct>(&'a self, field: R) -> Probe<'a, R> {
@@ -84,7 +91,7 @@ impl Prepared<'_> {
 
     /// Whether some voxels are absent.
     fn has_holes(&self) -> bool {
-        let statistics = self.tables.field.statistics();
+        let statistics = self.values.0.statistics();
         statistics.nan + statistics.infinite > 0
     }
 
@@ -93,7 +100,7 @@ impl Prepared<'_> {
     }
 
     fn trilinear<'a, T: Texel>(&'a self, data: &'a [T]) -> Option<Trilinear<'a, T>> {
-        let view = ComponentView::new(&self.tables.field, data, self.tables.component);
+        let view = self.view(data);
         Trilinear::new(view, self.has_holes(), Bounds::new(self.grid(), &self.region), self.probe(Linear(view)))
     }
 }

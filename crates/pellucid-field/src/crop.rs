@@ -19,7 +19,7 @@ pub fn crop(volume: &Volume, from: [usize; 3], size: [usize; 3]) -> Result<Volum
     let origin = DAffine3::from_translation(DVec3::from_array(from.map(|i| i as f64)));
     let grid = Grid::with_affine(size, volume.grid().world_from_index() * origin)?;
     let voxels: Voxels = for_voxels!(volume.voxels(), data => copy(data, volume, from, size).into());
-    volume.with_samples(grid, voxels)
+    volume.with_samples(grid, voxels, volume.components())
 }
 
 fn copy<T: Voxel>(data: &[T], volume: &Volume, from: [usize; 3], size: [usize; 3]) -> Vec<T> {

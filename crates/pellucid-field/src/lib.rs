@@ -13,6 +13,7 @@
 
 mod blocks;
 pub mod closed_form;
+mod component;
 mod crop;
 mod distance;
 mod error;
@@ -35,6 +36,7 @@ mod voxels;
 mod words;
 
 pub use blocks::Blocks;
+pub use component::component;
 pub use crop::crop;
 pub use distance::distances;
 pub use error::{FieldError, Warning};

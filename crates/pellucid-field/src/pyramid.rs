@@ -44,7 +44,7 @@ pub fn halve(volume: &Volume) -> Result<Volume, FieldError> {
     let coarse = [0, 1, 2].map(|axis| axes[axis].len());
     let grid = Grid::with_affine(coarse, volume.grid().world_from_index() * fine_from_coarse)?;
     let voxels: Voxels = for_voxels!(volume.voxels(), data => average(data, volume, &axes).into());
-    volume.with_samples(grid, voxels)
+    volume.with_samples(grid, voxels, volume.components())
 }
 
 /// The samples that a coarse sample replaces along one axis, and their weights.

@@ -147,9 +147,14 @@ impl Volume {
         Err(FieldError::Parameter { name: "component", found: component as f64, expected })
     }
 
-    /// Other samples of the same thing: same components, value map, name and units.
-    pub(crate) fn with_samples(&self, grid: Grid, voxels: impl Into<Voxels>) -> Result<Self, FieldError> {
-        let volume = Self::with_components(grid, voxels, self.components)?;
+    /// Other samples of the same thing, so many to a voxel: same value map, name and units.
+    pub(crate) fn with_samples(
+        &self,
+        grid: Grid,
+        voxels: impl Into<Voxels>,
+        components: usize,
+    ) -> Result<Self, FieldError> {
+        let volume = Self::with_components(grid, voxels, components)?;
         Ok(Self {
             value_map: self.value_map,
             name: self.name.clone(),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use pellucid_field::{Blocks, FieldError, Volume};
+use pellucid_field::{Blocks, FieldError, Volume, memory};
 use pellucid_optics::{Chroma, ExtinctionBounds, Perturbation, Scattering, TransferFunction};
 use pellucid_scene::{LightPath, Majorants, Mode, Quality, Stage};
 
@@ -105,6 +105,25 @@ impl PlanCache {
             *kept = ColorGrid::new(volume).map(|made| (volume.clone(), Arc::new(made)));
         }
         kept.as_ref().map(|(_, colors)| colors.clone())
+    }
+
+    /// What samples of a layer are made of, and which component of it: the field of its tables or, if that has several
+    /// components, the one that is read by itself, for values that lie side by side are read many at a time. Where
+    /// there is no memory for it, the field as it is.
+    ///
+    /// # Errors
+    /// [`TableError::Field`] if there is no such component.
+    ///
+    /// # Panics
+    /// If the stage has no such layer.
+    pub fn values(&mut self, stage: &Stage, layer: usize, tables: &Tables) -> Result<(Arc<Volume>, usize), TableError> {
+        self.layers.resize_with(stage.volumes.len(), LayerCache::default);
+        let (field, component) = (&tables.field, tables.component);
+        let all = field.voxels().as_bytes().len();
+        if field.components() > 1 && memory::afford(all / field.components()).is_err() {
+            return Ok((field.clone(), component));
+        }
+        Ok((self.layers[layer].kept.alone(field, component)?, 0))
     }
 
     /// Bounds of the extinction of a layer, for whose tables they are: the last ones, if they are of these tables.

@@ -15,6 +15,7 @@ pub(crate) struct Kept {
     fine_blocks: Option<KeptBlocks>,
     extremes: Option<(Arc<Blocks>, bool, Arc<Vec<f32>>)>,
     coefficients: Option<(Arc<Volume>, usize, Arc<Volume>)>,
+    alone: Option<(Arc<Volume>, usize, Arc<Volume>)>,
 }
 
 /// Blocks and what they are of.
@@ -67,13 +68,32 @@ impl Kept {
 
     /// The coefficients of a spline through the voxels.
     pub fn coefficients(&mut self, volume: &Arc<Volume>, component: usize) -> Result<Arc<Volume>, FieldError> {
-        match &self.coefficients {
-            Some((v, c, made)) if Arc::ptr_eq(v, volume) && *c == component => Ok(made.clone()),
-            _ => {
-                let made = Arc::new(spline_coefficients(volume, component)?);
-                self.coefficients = Some((volume.clone(), component, made.clone()));
-                Ok(made)
-            }
+        made(&mut self.coefficients, volume, component, spline_coefficients)
+    }
+
+    /// A component by itself.
+    pub fn alone(&mut self, volume: &Arc<Volume>, component: usize) -> Result<Arc<Volume>, FieldError> {
+        if volume.components() == 1 {
+            self.alone = None;
+            return Ok(volume.clone());
+        }
+        made(&mut self.alone, volume, component, pellucid_field::component)
+    }
+}
+
+/// The volume that is kept, if it was made of this, or a new one in its place.
+fn made(
+    slot: &mut Option<(Arc<Volume>, usize, Arc<Volume>)>,
+    volume: &Arc<Volume>,
+    component: usize,
+    make: impl FnOnce(&Volume, usize) -> Result<Volume, FieldError>,
+) -> Result<Arc<Volume>, FieldError> {
+    match slot {
+        Some((v, c, made)) if Arc::ptr_eq(v, volume) && *c == component => Ok(made.clone()),
+        _ => {
+            let made = Arc::new(make(volume, component)?);
+            *slot = Some((volume.clone(), component, made.clone()));
+            Ok(made)
         }
     }
 }

@@ -23,7 +23,7 @@ mod vertex;
 use std::sync::Arc;
 
 use glam::DVec3;
-use pellucid_field::{ComponentView, Gradient, Sampler, Voxels, for_voxels};
+use pellucid_field::{ComponentView, Gradient, Sampler, Volume, Voxels, for_voxels};
 use pellucid_optics::Sky;
 use pellucid_plan::{MajorantGrid, PlanCache, Tables, merge_order};
 use pellucid_scene::{Control, Jitter, PathTrace, Region, Stage, StageVolume};
@@ -55,6 +55,8 @@ struct PreparedLayer<'s> {
     volume: &'s StageVolume,
     region: Region,
     tables: Arc<Tables>,
+    /// What samples are made of, and which component of it.
+    values: (Arc<Volume>, usize),
     majorants: Arc<MajorantGrid>,
 }
 
@@ -79,7 +81,9 @@ impl<'s> PathTracer<'s> {
             let volume = &stage.volumes[number];
             let tables = cache.tables(stage, number)?;
             let majorants = cache.majorants(stage, number, &tables, settings.majorants)?;
-            Ok::<_, RenderError>(PreparedLayer { stage, volume, region: stage.region(volume), tables, majorants })
+            let values = cache.values(stage, number, &tables)?;
+            let region = stage.region(volume);
+            Ok::<_, RenderError>(PreparedLayer { stage, volume, region, tables, values, majorants })
         };
         let layers = merge_order(stage).into_iter().map(layer).collect::<Result<_, _>>()?;
         Ok(Self { stage, settings, layers, sky: settings.environment.resolve()? })
@@ -94,8 +98,8 @@ impl<'s> PathTracer<'s> {
             let layers = self.layers.iter().map(PreparedLayer::with_any).collect::<Result<_, _>>()?;
             return Ok(self.paths(Together(layers), None));
         };
-        let Tables { field, component, filter, .. } = &*layer.tables;
-        if *filter == pellucid_field::Filter::Linear && !layer.is_perturbed() {
+        let (field, component) = &layer.values;
+        if layer.tables.filter == pellucid_field::Filter::Linear && !layer.is_perturbed() {
             macro_rules! typed {
                 ($data:expr) => {
                     if let Some(values) = ScalarTrilinear::new(ComponentView::new(field, $data, *component)) {
@@ -146,7 +150,8 @@ impl<'s> PathTracer<'s> {
 
 impl PreparedLayer<'_> {
     fn sampler(&self) -> Result<Sampler<'_>, RenderError> {
-        Ok(Sampler::new(&self.tables.field, self.tables.component, self.tables.filter)?)
+        let (field, component) = &self.values;
+        Ok(Sampler::new(field, *component, self.tables.filter)?)
     }
 
     fn is_perturbed(&self) -> bool {
@@ -168,8 +173,8 @@ impl PreparedLayer<'_> {
         if self.is_perturbed() {
             return Ok(Box::new(self.perturbed()?));
         }
-        let Tables { field, component, filter, .. } = &*self.tables;
-        if *filter == pellucid_field::Filter::Linear {
+        let (field, component) = &self.values;
+        if self.tables.filter == pellucid_field::Filter::Linear {
             let typed: Option<Box<dyn Values>> = for_voxels!(field.voxels(), data => {
                 let values = ScalarTrilinear::new(ComponentView::new(field, data, *component));
                 values.map(|values| Box::new(values) as Box<dyn Values>)

@@ -12,6 +12,7 @@ mod aligned;
 mod chroma;
 mod classification;
 mod clipping;
+mod components;
 mod cut;
 mod data_colors;
 mod extremes;

@@ -1,8 +1,8 @@
-//! Histograms against sorting, pyramids against what they must keep, crops against the world.
+//! Histograms against sorting, pyramids against what they must keep, crops against the world, components against voxels.
 
 use glam::{DAffine3, DMat3, DVec3};
 use half::f16;
-use pellucid_field::{FieldError, Grid, Histogram, ValueMap, Volume, Voxel, Voxels, crop, halve, pyramid};
+use pellucid_field::{FieldError, Grid, Histogram, ValueMap, Volume, Voxel, Voxels, component, crop, halve, pyramid};
 use proptest::prelude::*;
 
 /// A rotated, sheared, mirrored and shifted grid.
@@ -229,5 +229,27 @@ fn levels_are_for_short_integers() {
         assert_eq!(Histogram::of_levels(&volume, 0).is_some(), has);
         assert!(Histogram::of_levels(&volume, 1).is_none());
         assert_eq!(Histogram::new(&volume, 0, 3).unwrap().counts(), [0, 1, 0]);
+    }
+}
+
+#[test]
+fn a_component_by_itself_has_its_values() {
+    let map = ValueMap { scale: 0.5, offset: -3.0 };
+    let value = |[x, y, z]: [usize; 3], component: usize| (x + 7 * y + 31 * z + 50 * component) as f64;
+    for components in 1..=4 {
+        let mut whole =
+            make::<u16>(skewed([5, 4, 3]), components, value).with_value_map(map).unwrap().with_name("cells");
+        whole.value_unit = Some("counts".to_owned());
+        for number in 0..components {
+            let alone = component(&whole, number).unwrap();
+            assert_eq!((alone.components(), alone.grid(), alone.value_map()), (1, whole.grid(), map));
+            assert_eq!((&alone.name, &alone.value_unit), (&whole.name, &whole.value_unit));
+            assert!(every_voxel(&whole).all(|voxel| alone.value(voxel, 0) == whole.value(voxel, number)));
+            let range = alone.statistics();
+            // From the first voxel to the last.
+            let expected = [0, 4 + 7 * 3 + 31 * 2].map(|place| map.value((50 * number + place) as f64));
+            assert_eq!([range.min, range.max], expected);
+        }
+        assert!(matches!(component(&whole, components), Err(FieldError::Parameter { name: "component", .. })));
     }
 }
