@@ -13,7 +13,8 @@ use pellucid_optics::{
 };
 use pellucid_scene::{
     Camera, Classification, Combine, Control, Frame, HalfAngle, Isosurface, Isovalue, Jitter, Mode, Orbit, Overlap,
-    PathTrace, Projection, RayCast, Scene, Slice, Slicing, Source, Stage, StageVolume, Technique, View, VolumeEntry,
+    PathTrace, Projection, RayCast, Scene, Slice, SliceGeometry, Slicing, Source, Stage, StageVolume, Technique, View,
+    VolumeEntry,
 };
 
 use crate::common::{center, homogeneous, render, set_mode, transfer_function, volume_of};
@@ -486,7 +487,8 @@ fn nested_surfaces_are_seen_through_each_other() {
 
 #[test]
 fn techniques_for_one_volume_say_so() {
-    let stage = stage(&balls(), |scene| scene.technique = Technique::Slicing(Slicing::default()));
+    let stacked = Slicing { geometry: SliceGeometry::ObjectAligned, ..Slicing::default() };
+    let stage = stage(&balls(), |scene| scene.technique = Technique::Slicing(stacked));
     let refused = CpuRenderer::new().render(&stage, &Control::default());
     assert_eq!(refused.unwrap_err(), RenderError::Volumes { found: 2, technique: "slicing" });
     assert!(!CpuRenderer::draws(&stage));
