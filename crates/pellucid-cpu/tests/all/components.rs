@@ -13,6 +13,9 @@ use pellucid_scene::{
 const DIMS: [usize; 3] = [13, 11, 12];
 const COMPONENTS: usize = 3;
 
+/// A name, and what makes a scene so.
+type Edit<'e> = (&'e str, &'e dyn Fn(&mut Scene));
+
 /// A value of a voxel: components have the same values, each elsewhere.
 fn value(voxel: usize, component: usize) -> u16 {
     let count = DIMS.iter().product::<usize>();
@@ -43,7 +46,7 @@ fn stage(volume: &Arc<Volume>, component: Option<usize>, edit: impl Fn(&mut Scen
 fn a_component_of_several_is_drawn_as_one_alone() {
     let isovalue = Isovalue { value: 1300.0, color: None, opacity: 0.5, volume: None };
     let surfaces = Mode::Isosurface(Isosurface { isovalues: vec![isovalue] });
-    let edits: [(&str, &dyn Fn(&mut Scene)); 9] = [
+    let edits: [Edit; 9] = [
         ("composite", &|_| ()),
         ("pre", &|scene| scene.quality.classification = Classification::Pre),
         ("pre-integrated", &|scene| scene.quality.classification = Classification::PreIntegrated),
