@@ -260,8 +260,8 @@ pub fn drawable(scene: &Scene, base: &Base) -> Result<(), Failure> {
     if listed > 1 && !scene.technique.needs().several_volumes {
         let name = scene.technique.name();
         let message = format_args!("the scene lists {listed} volumes, and {name} draws one as it is set: keep one");
-        let hint = "--technique ray-cast, half-angle and path-trace draw several, and so do composited view-aligned slices \
-            and shells";
+        let hint = "--technique ray-cast, half-angle and path-trace draw several; so do slices that project values, and \
+            composited ones that are view-aligned or shells";
         return Err(Failure::input(message).hint(hint));
     }
     Ok(base.load_optics(&mut scene.clone())?)

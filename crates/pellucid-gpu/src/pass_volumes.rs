@@ -34,6 +34,14 @@ pub struct PassVolumes<'a> {
     lists: Option<Lists>,
 }
 
+/// What is drawn together: all volumes, or each by itself where what they make of rays is merged at the end.
+pub fn parts<'a, 'o>(drawn: Vec<Drawn<'a, 'o>>) -> Vec<Vec<Drawn<'a, 'o>>> {
+    match drawn.iter().any(|volume| volume.optics.pass.is_apart()) {
+        true => drawn.into_iter().map(|volume| vec![volume]).collect(),
+        false => vec![drawn],
+    }
+}
+
 impl<'a> PassVolumes<'a> {
     /// Volumes with the bindings that a technique makes for each: it is told where the volume's lists lie, for
     /// `Frame::lists`.

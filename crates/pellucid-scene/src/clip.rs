@@ -12,6 +12,7 @@ use crate::check::{Checked, direction, finite, require};
 /// the same field. What several clips leave is their intersection.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Clip {
     /// Keeps the side of a plane that the normal points to.
     Plane {

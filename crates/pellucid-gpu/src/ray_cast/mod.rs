@@ -17,7 +17,7 @@ use crate::groups::Named;
 use crate::light_volume::LightVolumes;
 use crate::on_device::Drawn;
 use crate::pace::Pace;
-use crate::pass_volumes::PassVolumes;
+use crate::pass_volumes::{self, PassVolumes};
 use crate::pipelines::{Pipeline, Pipelines};
 use crate::shaders::{Pass, Variant};
 use crate::targets::Targets;
@@ -78,13 +78,8 @@ impl<'a> RayCaster<'a> {
         drawn: Vec<Drawn<'a, '_>>,
         with: (Drawing, Option<&LightVolumes>),
     ) -> Result<Self, GpuError> {
-        let apart = drawn.iter().any(|volume| volume.optics.pass.is_apart());
-        let together = if apart { 1 } else { drawn.len() };
-        let (mut volumes, mut drawn) = (Vec::new(), drawn.into_iter().peekable());
-        while drawn.peek().is_some() {
-            let some = drawn.by_ref().take(together).collect();
-            volumes.push(PassVolumes::new(device, some, |drawn, lists| bindings(device, stage, drawn, with, lists)));
-        }
+        let bound = |some| PassVolumes::new(device, some, |drawn, lists| bindings(device, stage, drawn, with, lists));
+        let volumes: Vec<PassVolumes> = pass_volumes::parts(drawn).into_iter().map(bound).collect();
         // All volumes take turns alike.
         let wavefront = volumes.iter().flat_map(PassVolumes::variants).any(|variant| variant.wavefront);
         let parts = volumes.into_iter().map(|some| Followed::new(device, pipelines, stage, some, wavefront));

@@ -166,11 +166,12 @@ impl Variant {
         }
         let slices = self.traversal == Traversal::Slices;
         let pixels = self.traversal == Traversal::SlicePixels;
-        if pixels && matches!(self.pass, CompositePre | PreIntegrated | Additive | Isosurface) {
+        self.layered &= self.pass.is_of_layers(self.traversal);
+        let merged = self.layered && self.pass.is_apart();
+        if pixels && !merged && matches!(self.pass, CompositePre | PreIntegrated | Additive | Isosurface) {
             // Their slices are blended as colours.
             self.pass = Composite;
         }
-        self.layered &= self.pass.is_of_layers(self.traversal);
         self.layered |= self.pass == Apart;
         let clouds = matches!(self.pass, Composite | CompositePre | PreIntegrated | HalfAngleEye | PathTrace);
         let lights = clouds || self.pass == Isosurface;

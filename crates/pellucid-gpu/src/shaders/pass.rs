@@ -209,7 +209,9 @@ impl Pass {
             Traversal::Rays => {
                 self.follows_together() || self.is_apart() || matches!(self, Self::Apart | Self::Resolve)
             }
-            Traversal::Slices | Traversal::SlicePixels => self.follows_together() && self != Self::Isosurface,
+            Traversal::Slices => self.follows_together() && self != Self::Isosurface,
+            // What slices through each volume have added up to is merged.
+            Traversal::SlicePixels => (self.follows_together() && self != Self::Isosurface) || self.is_apart(),
         }
     }
 

@@ -66,6 +66,32 @@ fn slices_show_what_fine_rays_show() {
     }
 }
 
+/// Values are projected volume by volume, along the axes of each if slices lie so, and merged as the ray caster does it.
+#[test]
+fn projections_by_slices_are_those_of_rays() {
+    let mut renderer = gpu(&Ceiling::default());
+    let slab = "{ slice = { normal = [0.3, 0.2, 1], thickness = 4, combine = \"average\" } }";
+    let mut seen = 0;
+    for mode in ["\"maximum\"", "\"average\"", "\"additive\"", "\"x_ray\"", slab] {
+        for keys in ["", "overlap = \"priority\"", "overlap.fused = { color = 1, opacity = 0 }"] {
+            for geometry in ["view_aligned", "object_aligned", "multi_texture", "shells"] {
+                let rays = format!("[technique.ray_cast]\nmode = {mode}\n");
+                let exact = by_cpu(&stage(keys, &rays, "step = 0.1", PARALLEL));
+                let slices = format!("[technique.slicing]\nmode = {mode}\ngeometry = \"{geometry}\"\n");
+                let found = draw(&mut renderer, &stage(keys, &slices, "step = 0.1\nsupersampling = 1", PARALLEL));
+                let apart = mean(&found, &exact);
+                // Planes of voxels are no closer than voxels.
+                let most = if geometry == "object_aligned" { 0.02 } else { 0.003 };
+                assert!(apart < most, "{mode} {keys} {geometry}: {apart}");
+                let hit = |frame: &Frame| frame.statistics.rays_hit;
+                assert_eq!(hit(&found), hit(&exact), "{mode} {keys} {geometry}");
+                seen += exact.color.iter().filter(|pixel| pixel[3] > 0.05).count();
+            }
+        }
+    }
+    assert!(seen > 60 * 100, "60 cases show {seen} pixels");
+}
+
 /// What fragments composite is what blending composites, whichever way.
 #[test]
 fn slabs_are_put_together_in_any_way() {
@@ -119,7 +145,9 @@ fn correction_is_that_of_one_volume() {
 #[test]
 fn the_order_of_the_list_changes_no_bit_of_slices() {
     let mut renderer = gpu(&Ceiling::default());
-    for technique in ["", "geometry = \"shells\"\norder = \"back_to_front\""] {
+    for technique in
+        ["", "geometry = \"shells\"\norder = \"back_to_front\"", "mode = \"additive\"", "mode = \"maximum\""]
+    {
         let rest = format!("[technique.slicing]\n{technique}\n{NEAR}");
         let bits = |renderer: &mut GpuRenderer, layers: &[(Arc<Volume>, &str)]| {
             let frame = draw(renderer, &layered(layers, &rest, [24, 20]));
