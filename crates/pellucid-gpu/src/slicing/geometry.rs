@@ -113,20 +113,20 @@ impl Geometry {
         })
     }
 
-    /// As many slices through several volumes, each of which is one brick.
-    pub fn windows(device: &Device, slices: u32, slicing: &Slicing, brick: Brick) -> Self {
-        let mut instances: Vec<u32> = (0..slices).collect();
+    /// As many slices through several volumes, each of which is one brick; `asked` are those of the setting.
+    pub fn windows(device: &Device, [count, asked]: [u32; 2], slicing: &Slicing, brick: Brick) -> Self {
+        let mut instances: Vec<u32> = (0..count).collect();
         if slicing.order == BlendOrder::BackToFront {
             instances.reverse();
         }
         Self {
-            shares: vec![(brick, 0..slices)],
+            shares: vec![(brick, 0..count)],
             boxes: storage::<SliceBox>(device, "boxes", &[]),
             box_count: 0,
             instances: storage(device, "instances", &instances),
             index_count: 3,
             indices: device.buffer("indices", cast_slice(&[0u16, 1, 2, 0]), BufferUsages::INDEX),
-            slices,
+            slices: asked,
             pass: Pass::SliceWindows,
         }
     }

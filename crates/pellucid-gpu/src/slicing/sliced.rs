@@ -95,7 +95,7 @@ impl<'a> Sliced<'a> {
         let grid = volume.volume.grid();
         let (positions, geometry) = if drawn.len() > 1 {
             let slabs = Slabs::new(stage, slicing);
-            let geometry = Geometry::windows(device, slabs.count, slicing, resident.bricks[0]);
+            let geometry = Geometry::windows(device, slabs.counts, slicing, resident.bricks[0]);
             (Positions::OfSeveral(slabs), geometry)
         } else {
             let lattice = Lattice::new(stage, grid, slicing);
