@@ -14,7 +14,7 @@
 #import pellucid::way::Way
 
 // What of light gets through to a sample of each volume: of matter of so many steps, what holds back light in any.
-fn all_left(passages: array<Passage, COUNT>, matter: array<Matter, COUNT>, slab: f32) -> array<Shares, COUNT> {
+fn all_shares(passages: array<Passage, COUNT>, matter: array<Matter, COUNT>, slab: f32) -> array<Shares, COUNT> {
     var left: array<Shares, COUNT>;
     if sweep.counts.y != 0u {
         for (var i = 0u; i < COUNT; i += 1u) {
@@ -59,7 +59,7 @@ fn look(lines: ptr<function, Lines>, slab: u32, is_open: bool) -> Look {
                 lost[i] = loss(layer_of(bounds.run, slab), texels[i]);
             }
         }
-        var elements = all_seen(ways, passages, matter, lost, all_left(passages, matter, f32(slab)));
+        var elements = all_seen(ways, passages, matter, lost, all_shares(passages, matter, f32(slab)));
         found.color = added(&elements);
         is_asked = false;
     }

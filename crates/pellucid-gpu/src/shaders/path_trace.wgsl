@@ -11,7 +11,7 @@
 #import pellucid::ray::beam_of
 #import pellucid::scatter::PI
 #import pellucid::sky::{has_sky, luminance, sample_sky, sky_in}
-#import pellucid::surroundings::{encounter, enter, leave, left_from, meets}
+#import pellucid::surroundings::{encounter, enter, leave, transmittance_from, meets}
 
 // Fewest paths before a pixel may be done, and paths between two looks: as in the CPU backend.
 const FEWEST: f32 = 64.0;
@@ -67,7 +67,7 @@ fn direct(layer: u32, p: vec3<f32>, vertex: Vertex, sources: u32) -> Light {
     if all(light <= vec3<f32>(0.0)) {
         return Light(vec3<f32>(0.0), 0u);
     }
-    let left = left_from(layer, p, direction, distance);
+    let left = transmittance_from(layer, p, direction, distance);
     return Light(light * left.rgb * f32(sources), u32(left.a));
 }
 

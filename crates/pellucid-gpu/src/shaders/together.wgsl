@@ -4,7 +4,7 @@
 
 #import pellucid::count::COUNT
 #import pellucid::each_path::in_first
-#import pellucid::every::{left_across, nearest, parts_ahead, parts_from}
+#import pellucid::every::{transmittance_through, nearest, parts_ahead, parts_from}
 #import pellucid::flight::{Aim, Collision, Encounter, Part, FAR_AWAY}
 
 // The way of a ray from the eye.
@@ -35,6 +35,6 @@ fn encounter(way: array<Part, COUNT>, carried: vec3<f32>) -> Encounter {
 
 // The share of each colour that gets through from a position in a volume along a unit vector of the world for so many
 // steps, and the looks that it took.
-fn left_from(layer: u32, p: vec3<f32>, forward: vec3<f32>, most: f32) -> vec4<f32> {
-    return left_across(vec4<f32>(1.0, 1.0, 1.0, 0.0), in_first(layer, p), forward, most);
+fn transmittance_from(layer: u32, p: vec3<f32>, forward: vec3<f32>, most: f32) -> vec4<f32> {
+    return transmittance_through(vec4<f32>(1.0, 1.0, 1.0, 0.0), in_first(layer, p), forward, most);
 }

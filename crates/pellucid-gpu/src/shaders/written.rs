@@ -60,7 +60,7 @@ pub fn every(layers: usize) -> String {
     let folded = [
         ("nearest", "parts: array<Part, COUNT>", "Encounter", "nearer(all, #u, parts[#])"),
         (
-            "left_across",
+            "transmittance_through",
             "first: vec3<f32>, forward: vec3<f32>, most: f32",
             "vec4<f32>",
             "lessened(all, first, forward, most)",
