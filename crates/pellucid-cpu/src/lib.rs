@@ -41,6 +41,8 @@ mod skip;
 mod slice;
 mod solid;
 mod surface;
+#[cfg(test)]
+mod test_random;
 mod tiles;
 mod vary;
 
