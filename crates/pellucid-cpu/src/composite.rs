@@ -21,6 +21,14 @@ pub struct Accumulator<S: Lanes> {
     half: F32<S>,
 }
 
+impl<S: Lanes> Accumulator<S> {
+    /// Opacity of what has been met, of the colour that is lost least.
+    #[inline(always)]
+    pub fn opacity(&self) -> F32<S> {
+        self.color[3]
+    }
+}
+
 /// How light accumulates along rays.
 pub struct Accumulation {
     /// How each colour is held back, if not all alike.
@@ -97,7 +105,7 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> Integrator for Composite<'_, S, F, C
     }
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
-        match self.medium.surface {
+        match self.medium.lighting {
             Some(_) => self.follow::<true>(wave, traced, tally),
             None => self.follow::<false>(wave, traced, tally),
         }
@@ -130,7 +138,7 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> Composite<'_, S, F, C> {
                             |index| medium.field.prefetch(s, index),
                             #[inline(always)]
                             |sample, counter| {
-                                let element = medium.sample::<LIT>(beam, sample);
+                                let element = medium.sample::<LIT>(beam, sample, Some(ray.opacity()));
                                 let Some(Element { rgba, visible }) = element else { return all(s, false) };
                                 counter.see(visible);
                                 accumulation.add(s, ray, sample.distance, rgba, visible)
@@ -215,7 +223,7 @@ impl<S: Lanes, F: Field<S>, V: Vary> Visit<S> for Compositing<'_, S, F, V> {
     fn visit(&mut self, segment: &Segment<S>, counter: &mut Counter<S>) -> Verdict<S> {
         let PreIntegrated { medium, accumulation } = self.mode;
         let none = all(medium.s, false);
-        let element = medium.between(self.rays, self.beam, segment);
+        let element = medium.between(self.rays, self.beam, segment, Some(self.ray.opacity()));
         let Some(Element { rgba, visible }) = element else { return Verdict { done: none, wait: none } };
         counter.see(visible);
         Verdict { done: accumulation.add(medium.s, self.ray, segment.middle(), rgba, visible), wait: none }

@@ -3,10 +3,10 @@
 use crate::field::Field;
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
+use crate::light::{Aim, Unlit, normals};
 use crate::medium::{Crossed, Level, OneGrid, crosses};
 use crate::packet::{Packet, Rays};
 use crate::segments::{Segment, Verdict, Visit, each_surface};
-use crate::surface::{Aim, Unlit, normals};
 
 /// Shaded isosurfaces.
 pub struct Isosurfaces<'a, S, F> {
@@ -150,12 +150,13 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
             let base = xyz!(C => rising.select(splat(s, up.color[C]), splat(s, down.color[C])));
             let opacity = rising.select(splat(s, up.opacity), splat(s, down.opacity));
             let mut rgba = [base[0] * opacity, base[1] * opacity, base[2] * opacity, opacity];
-            if let (Some(surface), Some(aim)) = (&self.medium.surface, &met.aim) {
+            if let (Some(lighting), Some(aim)) = (&self.medium.lighting, &met.aim) {
                 let sample = Unlit { rgba, value: level, index, lanes };
-                rgba = surface.shade(
+                rgba = lighting.shade(
                     s,
                     &sample,
                     aim,
+                    Some(met.color[3]),
                     #[inline(always)]
                     || gradient,
                 );

@@ -58,8 +58,8 @@ impl<'s> Layers<'s> {
         match stage.mode() {
             Mode::Composite => {
                 let layer = |(prepared, sampler): (&'a Prepared, &Sampler<'a>)| {
-                    let surface = prepared.surface(|| self.shadow(s, prepared, samplers));
-                    prepared.with_medium(s, sampler.clone(), surface, AsLayer)
+                    let lighting = prepared.lighting(|| self.shadow(s, prepared, samplers));
+                    prepared.with_medium(s, sampler.clone(), lighting, AsLayer)
                 };
                 let accumulation = self.each[0].accumulation();
                 let (layers, overlap) = (layers().map(layer).collect(), stage.overlap);
@@ -67,8 +67,8 @@ impl<'s> Layers<'s> {
             }
             Mode::Isosurface(_) => {
                 let surfaces = |(prepared, sampler): (&'a Prepared, &Sampler<'a>)| {
-                    let surface = prepared.surface(|| self.shadow(s, prepared, samplers));
-                    let surfaces = prepared.isosurfaces(s, prepared.any(sampler.clone()), surface);
+                    let lighting = prepared.lighting(|| self.shadow(s, prepared, samplers));
+                    let surfaces = prepared.isosurfaces(s, prepared.any(sampler.clone()), lighting);
                     Box::new(surfaces) as Box<dyn Surfaced<S> + 'a>
                 };
                 let early_termination = stage.quality.early_termination;

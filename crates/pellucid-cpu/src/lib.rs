@@ -3,7 +3,7 @@
 //! A frame is drawn by packets of rays in tiles over all cores. Every mode stands on the same parts:
 //! rays and where on them samples are taken (`rays`), where they meet the field (`lines`, `solid`), side by side in
 //! vectors (`packet`), what lies along them (`medium`), the question "what is the field here?" (`field`), what it looks like
-//! (`classify`, `surface`), and blocks that cannot contribute (`skip`). A mode is what it does with
+//! (`classify`, `light`), and blocks that cannot contribute (`skip`). A mode is what it does with
 //! the samples. What runs per sample is written once and compiled for every instruction set
 //! (`lanes`).
 
@@ -21,8 +21,8 @@ mod integrator;
 mod isosurface;
 mod lanes;
 mod layers;
+mod light;
 mod lines;
-mod lit;
 mod medium;
 mod modes;
 mod packet;
@@ -34,13 +34,11 @@ mod rays;
 mod reconstruct;
 mod renderer;
 mod samples;
-mod scatter;
 mod segments;
 mod shadow;
 mod skip;
 mod slice;
 mod solid;
-mod surface;
 #[cfg(test)]
 mod test_random;
 mod tiles;

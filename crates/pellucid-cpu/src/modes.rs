@@ -10,13 +10,13 @@ use crate::field::Field;
 use crate::integrator::Integrator;
 use crate::isosurface::Isosurfaces;
 use crate::lanes::{InstructionSet, Lanes, dispatch};
+use crate::light::Lighting;
 use crate::medium::{Integrals, OneGrid, WithMedium};
 use crate::prepare::Prepared;
 use crate::projection::{Additive, Average, Extreme, XRay};
 use crate::reconstruct::WithField;
 use crate::shadow::LightVolume;
 use crate::slice::SlicePlane;
-use crate::surface::Surface;
 use crate::vary::Vary;
 
 impl Prepared<'_> {
@@ -42,12 +42,12 @@ impl Prepared<'_> {
     ) -> Box<dyn Integrator + 'a> {
         match self.stage.mode() {
             Mode::Composite => {
-                let surface = self.surface(|| self.shadow(s, &sampler, lights));
-                self.with_medium(s, sampler, surface, Composited(self.accumulation()))
+                let lighting = self.lighting(|| self.shadow(s, &sampler, lights));
+                self.with_medium(s, sampler, lighting, Composited(self.accumulation()))
             }
             Mode::Isosurface(_) => {
-                let surface = self.surface(|| self.shadow(s, &sampler, lights));
-                self.with_field(sampler, IsosurfaceMode { prepared: self, s, surface })
+                let lighting = self.lighting(|| self.shadow(s, &sampler, lights));
+                self.with_field(sampler, IsosurfaceMode { prepared: self, s, lighting })
             }
             _ => self.projection(s, sampler),
         }
@@ -101,10 +101,10 @@ impl Prepared<'_> {
         &'a self,
         s: S,
         field: F,
-        surface: Option<Surface<'a, S>>,
+        lighting: Option<Lighting<'a, S>>,
     ) -> Isosurfaces<'a, S, F> {
         let early_termination = self.stage.quality.early_termination;
-        Isosurfaces { medium: self.surfaces(s, field, surface), early_termination }
+        Isosurfaces { medium: self.surfaces(s, field, lighting), early_termination }
     }
 }
 
@@ -127,14 +127,14 @@ impl<'a, S: Lanes> WithMedium<'a, S> for Composited {
 struct IsosurfaceMode<'a, S> {
     prepared: &'a Prepared<'a>,
     s: S,
-    surface: Option<Surface<'a, S>>,
+    lighting: Option<Lighting<'a, S>>,
 }
 
 impl<'a, S: Lanes> WithField<'a, S> for IsosurfaceMode<'a, S> {
     type Output = Box<dyn Integrator + 'a>;
 
     fn with<F: Field<S> + 'a>(self, field: F) -> Self::Output {
-        Box::new(self.prepared.isosurfaces(self.s, field, self.surface))
+        Box::new(self.prepared.isosurfaces(self.s, field, self.lighting))
     }
 }
 

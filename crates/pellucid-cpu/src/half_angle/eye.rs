@@ -12,8 +12,8 @@ use crate::chroma;
 use crate::element::Element;
 use crate::field::Field;
 use crate::lanes::*;
+use crate::light::{Arriving, Unlit, normals};
 use crate::medium::{Beam, OneGrid};
-use crate::surface::{Unlit, normals};
 
 /// What holds light back on its way through a slab to a sample: all that is there.
 pub struct Attenuation<S: Lanes> {
@@ -58,25 +58,24 @@ impl<S: Lanes, F: Field<S>> Eye<'_, S, F> {
         (k, light): (usize, &LightBuffer),
         beam: Option<&Beam<S>>,
     ) -> Element<S> {
-        let (s, OneGrid { field, surface, .. }, chroma) = (self.medium.s, &self.medium, self.medium.chroma.as_ref());
+        let (s, OneGrid { field, lighting, .. }, chroma) = (self.medium.s, &self.medium, self.medium.chroma.as_ref());
         let (&Passage { place, index, ratio, .. }, &SlabSample { value, rgba, visible, .. }) = (passage, sight);
         let rgba = chroma::over_length(s, chroma, rgba, ratio);
-        let (Some(surface), Some(beam)) = (surface, beam) else { return Element { rgba, visible } };
+        let (Some(lighting), Some(beam)) = (lighting, beam) else { return Element { rgba, visible } };
         let arriving = self.arriving(light, &index, place - k as f32, held, k);
         let direct = chroma::each(s, chroma, arriving.direct);
         let direct = xyz!(C => direct[C] * self.scales[0]);
         let sample = Unlit { rgba, value, index, lanes: visible };
-        let mut lit = surface.shade_through(
+        let mut lit = lighting.shade_by(
             s,
             &sample,
-            &beam.aim,
+            (&beam.aim, Arriving::Share(direct)),
+            None,
             #[inline(always)]
-            || beam.gradients(s, surface, &index, field.gradients(s, index, visible)),
-            #[inline(always)]
-            |_| direct,
+            || beam.gradients(s, lighting, &index, field.gradients(s, index, visible)),
         );
         if let Some(indirect) = arriving.indirect {
-            let radiance = surface.radiance(s, &index, visible);
+            let radiance = lighting.lights.radiance(s, &index, visible);
             for channel in 0..3 {
                 let factor = indirect[channel] * radiance[channel] * self.scales[1];
                 lit[channel] = visible.select(rgba[channel].mul_add(factor, lit[channel]), lit[channel]);

@@ -39,12 +39,12 @@ use crate::classify::{Lookup, Post};
 use crate::field::{Any, Field};
 use crate::integrator::Found;
 use crate::lanes::*;
+use crate::light::{Answer, BlinnPhong, Lighting, Lights};
 use crate::packet::Packet;
 use crate::prepare::Prepared;
 use crate::rays::Emitter;
 use crate::reconstruct::WithField;
 use crate::solid::Solid;
-use crate::surface::Surface;
 use crate::tiles::{Tile, Tiles};
 use crate::vary::Placed;
 
@@ -220,17 +220,19 @@ impl Drawing<'_> {
         let stage = prepared.stage;
         let (material, ambient) = material(stage, prepared.volume, settings, self.lights);
         let lights = std::slice::from_ref(self.light);
-        let mut surface = Surface::new(material, None, lights, ambient, prepared.grid().world_from_index());
-        if let Some(scatter) = prepared.scatter() {
-            surface = surface.scattering(scatter);
-        }
+        let lighting = Lighting {
+            lights: Lights::new(lights, prepared.grid().world_from_index()),
+            shadow: None,
+            chroma: None,
+            answer: Answer::new(BlinnPhong { material, weight: None, ambient }, prepared.scatter()),
+        };
         let optics = SlabOptics {
             classifier: Post(Lookup::of_steps(prepared.step_table())),
             transport: lengths.half_transport().filter(|_| settings.indirect > 0.0),
             placed: Placed { paint: prepared.paint(), varied: prepared.varied() },
         };
         Eye {
-            medium: prepared.one_grid(s, field, optics, Some(surface)),
+            medium: prepared.one_grid(s, field, optics, Some(lighting)),
             half: lengths.steps * 0.5,
             frame: self.geometry.frame.on(prepared.grid()),
             ways: self.geometry.ways,

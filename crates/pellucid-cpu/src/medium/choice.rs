@@ -7,10 +7,10 @@ use super::{Integrals, Level, OneGrid};
 use crate::classify::{Classify, Lookup, Post, Pre, PreEach, Segments};
 use crate::field::{Any, Field, Moved};
 use crate::lanes::Lanes;
+use crate::light::Lighting;
 use crate::paint::Paint;
 use crate::prepare::Prepared;
 use crate::reconstruct::WithField;
-use crate::surface::Surface;
 use crate::vary::{Placed, Uniform, Varied, VariedSamples, Vary};
 
 /// A medium between samples and lights.
@@ -35,13 +35,13 @@ impl Prepared<'_> {
         &'a self,
         s: S,
         sampler: Sampler<'a>,
-        surface: Option<Surface<'a, S>>,
+        lighting: Option<Lighting<'a, S>>,
         with: W,
     ) -> W::Output {
         let plain = self.stage.quality.classification != Classification::Pre && self.placed().is_none();
         match plain {
-            true => self.with_field(sampler, Plain { prepared: self, s, surface, with }),
-            false => self.with_any_medium(s, sampler, surface, with),
+            true => self.with_field(sampler, Plain { prepared: self, s, lighting, with }),
+            false => self.with_any_medium(s, sampler, lighting, with),
         }
     }
 
@@ -50,7 +50,7 @@ impl Prepared<'_> {
         &'a self,
         s: S,
         sampler: Sampler<'a>,
-        surface: Option<Surface<'a, S>>,
+        lighting: Option<Lighting<'a, S>>,
         with: W,
     ) -> W::Output {
         if self.stage.quality.classification == Classification::Pre {
@@ -59,23 +59,23 @@ impl Prepared<'_> {
             return match self.placed() {
                 Some(placed) => {
                     let optics = VariedSamples { classifier, vary: placed };
-                    with.samples(self.one_grid(s, field, optics, surface))
+                    with.samples(self.one_grid(s, field, optics, lighting))
                 }
-                None => with.samples(self.one_grid(s, field, classifier, surface)),
+                None => with.samples(self.one_grid(s, field, classifier, lighting)),
             };
         }
         let field = self.any(sampler);
         let Some(placed) = self.placed() else {
-            return Plain { prepared: self, s, surface, with }.with(field);
+            return Plain { prepared: self, s, lighting, with }.with(field);
         };
         match &self.tables.preintegration {
             Some(table) => {
                 let optics = Integrals { table: Segments(table), vary: placed };
-                with.segments(self.one_grid(s, field, optics, surface))
+                with.segments(self.one_grid(s, field, optics, lighting))
             }
             None => {
                 let optics = VariedSamples { classifier: Post(self.lookup()), vary: placed };
-                with.samples(self.one_grid(s, field, optics, surface))
+                with.samples(self.one_grid(s, field, optics, lighting))
             }
         }
     }
@@ -94,10 +94,10 @@ impl Prepared<'_> {
         s: S,
         field: F,
         optics: O,
-        surface: Option<Surface<'a, S>>,
+        lighting: Option<Lighting<'a, S>>,
     ) -> OneGrid<'a, S, F, O> {
         let (skip, levels) = (self.grids.skip.as_ref(), self.grids.levels.as_ref());
-        OneGrid { s, field, optics, surface, cuts: self.cuts(), skip, levels, chroma: self.stage.chroma(self.volume) }
+        OneGrid { s, field, optics, lighting, cuts: self.cuts(), skip, levels, chroma: self.stage.chroma(self.volume) }
     }
 
     /// What holds light back on its way to samples, steps of shadow rays at a time, if such are cast.
@@ -113,11 +113,11 @@ impl Prepared<'_> {
         &'a self,
         s: S,
         field: F,
-        surface: Option<Surface<'a, S>>,
+        lighting: Option<Lighting<'a, S>>,
     ) -> OneGrid<'a, S, F, Vec<Level>> {
         let tf = &self.volume.transfer_function;
         let levels = self.stage.isovalues(self.number).iter().map(|iso| Level::new(iso, tf)).collect();
-        self.one_grid(s, field, levels, surface)
+        self.one_grid(s, field, levels, lighting)
     }
 
     /// The medium of a radiograph: opacities of single steps.
@@ -156,7 +156,7 @@ impl Prepared<'_> {
 struct Plain<'a, S, W> {
     prepared: &'a Prepared<'a>,
     s: S,
-    surface: Option<Surface<'a, S>>,
+    lighting: Option<Lighting<'a, S>>,
     with: W,
 }
 
@@ -164,13 +164,13 @@ impl<'a, S: Lanes, W: WithMedium<'a, S>> WithField<'a, S> for Plain<'a, S, W> {
     type Output = W::Output;
 
     fn with<F: Field<S> + 'a>(self, field: F) -> Self::Output {
-        let Self { prepared, s, surface, with } = self;
+        let Self { prepared, s, lighting, with } = self;
         match &prepared.tables.preintegration {
             Some(table) => {
                 let optics = Integrals { table: Segments(table), vary: Uniform };
-                with.segments(prepared.one_grid(s, field, optics, surface))
+                with.segments(prepared.one_grid(s, field, optics, lighting))
             }
-            None => with.samples(prepared.one_grid(s, field, Post(prepared.lookup()), surface)),
+            None => with.samples(prepared.one_grid(s, field, Post(prepared.lookup()), lighting)),
         }
     }
 }

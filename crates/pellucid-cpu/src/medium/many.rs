@@ -79,6 +79,7 @@ impl<S: Lanes> Many<'_, S> {
     /// Goes on with a packet for a run. Returns whether there is more.
     #[inline(always)]
     fn run(&self, FollowedLayers { ways, progress, counter, ray, .. }: &mut FollowedLayers<S>) -> bool {
+        progress.front = Some(ray.opacity());
         ways.run(
             self.s,
             progress,

@@ -22,8 +22,8 @@ pub use ways::{Progress, Ways};
 use crate::cut::Cut;
 use crate::element::Element;
 use crate::lanes::*;
+use crate::light::{Aim, Lighting};
 use crate::packet::{Packet, Rays};
-use crate::surface::{Aim, Surface};
 
 /// What light needs of the eye's rays.
 pub struct Beam<S: Lanes> {
@@ -36,8 +36,8 @@ pub struct Beam<S: Lanes> {
 impl<S: Lanes> Beam<S> {
     /// Gradients at index positions as a surface takes them: what is cut has those of its faces.
     #[inline(always)]
-    pub fn gradients(&self, s: S, surface: &Surface<S>, index: &Vec3<S>, gradients: Vec3<S>) -> Vec3<S> {
-        if surface.weighs_gradients() { gradients } else { self.cut.gradients(s, index, gradients) }
+    pub fn gradients(&self, s: S, lighting: &Lighting<S>, index: &Vec3<S>, gradients: Vec3<S>) -> Vec3<S> {
+        if lighting.weighs_gradients() { gradients } else { self.cut.gradients(s, index, gradients) }
     }
 }
 

@@ -9,11 +9,11 @@ use crate::cut::Cuts;
 use crate::element::Element;
 use crate::field::Field;
 use crate::lanes::*;
+use crate::light::{Aim, Lighting, Unlit, normals};
 use crate::packet::{Packet, Rays};
 use crate::samples::Sample;
 use crate::segments::Segment;
 use crate::skip::{Levels, SkipGrid};
-use crate::surface::{Aim, Surface, Unlit, normals};
 use crate::vary::Vary;
 
 /// The field of a volume, what it looks like, and the light on it. Its optics `O` are asked for single samples
@@ -26,7 +26,7 @@ pub struct OneGrid<'a, S, F, O> {
     /// What it looks like.
     pub optics: O,
     /// Light, if samples are lit.
-    pub surface: Option<Surface<'a, S>>,
+    pub lighting: Option<Lighting<'a, S>>,
     /// Where matter is cut.
     pub cuts: Cuts,
     /// Blocks that can contribute, if empty space is skipped.
@@ -49,7 +49,7 @@ impl<S: Lanes, F: Field<S>, O> OneGrid<'_, S, F, O> {
     /// What light needs of rays that go on to the eye, if samples are lit.
     #[inline(always)]
     pub fn aim(&self, to_eye: Vec3<S>) -> Option<Aim<S>> {
-        Some(self.surface.as_ref()?.aim(self.s, to_eye))
+        Some(self.lighting.as_ref()?.aim(self.s, to_eye))
     }
 
     /// The same of rays that enter in index directions, with the faces by which they do.
@@ -60,14 +60,21 @@ impl<S: Lanes, F: Field<S>, O> OneGrid<'_, S, F, O> {
 
     /// Shades associated samples, if samples are lit.
     #[inline(always)]
-    fn lit(&self, beam: Option<&Beam<S>>, sample: &Unlit<S>, gradients: impl FnOnce() -> Vec3<S>) -> [F32<S>; 4] {
-        let (s, Some(surface), Some(beam)) = (self.s, &self.surface, beam) else { return sample.rgba };
-        surface.shade(
+    fn lit(
+        &self,
+        beam: Option<&Beam<S>>,
+        sample: &Unlit<S>,
+        front: Option<F32<S>>,
+        gradients: impl FnOnce() -> Vec3<S>,
+    ) -> [F32<S>; 4] {
+        let (s, Some(lighting), Some(beam)) = (self.s, &self.lighting, beam) else { return sample.rgba };
+        lighting.shade(
             s,
             sample,
             &beam.aim,
+            front,
             #[inline(always)]
-            || beam.gradients(s, surface, &sample.index, gradients()),
+            || beam.gradients(s, lighting, &sample.index, gradients()),
         )
     }
 
@@ -82,9 +89,15 @@ impl<S: Lanes, F: Field<S>, O> OneGrid<'_, S, F, O> {
 }
 
 impl<S: Lanes, F: Field<S>, C: Classify<S>> OneGrid<'_, S, F, C> {
-    /// What samples send to the eye; `None` if none has any opacity. A loop that never lights has registers to spare.
+    /// What samples send to the eye, with an opacity in front of them; `None` if none has any opacity. A loop that never
+    /// lights has registers to spare.
     #[inline(always)]
-    pub fn sample<const LIT: bool>(&self, beam: Option<&Beam<S>>, sample: &Sample<S>) -> Option<Element<S>> {
+    pub fn sample<const LIT: bool>(
+        &self,
+        beam: Option<&Beam<S>>,
+        sample: &Sample<S>,
+        front: Option<F32<S>>,
+    ) -> Option<Element<S>> {
         let s = self.s;
         let (value, near) = if LIT {
             let (value, near) = self.field.values_near(s, sample.index, sample.lanes);
@@ -100,6 +113,7 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> OneGrid<'_, S, F, C> {
             rgba = self.lit(
                 beam,
                 &Unlit { rgba, value, index: sample.index, lanes: visible },
+                front,
                 #[inline(always)]
                 || self.field.gradients_near(s, &near, visible),
             );
@@ -121,9 +135,15 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> OneGrid<'_, S, F, C> {
 }
 
 impl<S: Lanes, F: Field<S>, V: Vary> OneGrid<'_, S, F, Integrals<'_, V>> {
-    /// What segments send to the eye; `None` if none has any opacity.
+    /// What segments send to the eye, with an opacity in front of them; `None` if none has any opacity.
     #[inline(always)]
-    pub fn between(&self, rays: &Rays<S>, beam: Option<&Beam<S>>, segment: &Segment<S>) -> Option<Element<S>> {
+    pub fn between(
+        &self,
+        rays: &Rays<S>,
+        beam: Option<&Beam<S>>,
+        segment: &Segment<S>,
+        hidden: Option<F32<S>>,
+    ) -> Option<Element<S>> {
         let s = self.s;
         let (rgba, visible) = self.integral(segment);
         if !visible.any_true() {
@@ -135,6 +155,7 @@ impl<S: Lanes, F: Field<S>, V: Vary> OneGrid<'_, S, F, Integrals<'_, V>> {
         let rgba = self.lit(
             beam,
             &Unlit { rgba, value, index, lanes: visible },
+            hidden,
             #[inline(always)]
             || self.field.gradients(s, index, visible),
         );
@@ -180,7 +201,7 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> Layer<S> for OneGrid<'_, S, F, C> {
         let (s, beam) = (self.s, span.beam.as_ref());
         s.vectorize(
             #[inline(always)]
-            || match self.surface {
+            || match self.lighting {
                 Some(_) => run.each(
                     s,
                     span,
@@ -188,7 +209,7 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> Layer<S> for OneGrid<'_, S, F, C> {
                     #[inline(always)]
                     |index| self.field.prefetch(s, index),
                     #[inline(always)]
-                    |piece| self.sample::<true>(beam, &piece.sample),
+                    |piece| self.sample::<true>(beam, &piece.sample, run.front()),
                 ),
                 None => run.each(
                     s,
@@ -197,7 +218,7 @@ impl<S: Lanes, F: Field<S>, C: Classify<S>> Layer<S> for OneGrid<'_, S, F, C> {
                     #[inline(always)]
                     |index| self.field.prefetch(s, index),
                     #[inline(always)]
-                    |piece| self.sample::<false>(beam, &piece.sample),
+                    |piece| self.sample::<false>(beam, &piece.sample, run.front()),
                 ),
             },
         );
@@ -245,7 +266,7 @@ impl<S: Lanes, F: Field<S>, V: Vary> Layer<S> for Segmented<OneGrid<'_, S, F, In
                         let back = medium.field.values(s, rays.at(*to), *lanes);
                         let segment =
                             Segment { distance: [*from, *to], length: *ratio, value: [front, back], lanes: *lanes };
-                        medium.between(rays, span.beam.as_ref(), &segment)
+                        medium.between(rays, span.beam.as_ref(), &segment, run.front())
                     },
                 );
             },

@@ -28,6 +28,8 @@ pub struct Run<S: Lanes> {
     count: usize,
     /// Where in a piece its sample lies.
     jitter: F32<S>,
+    /// Opacity in front of the first, if that is known.
+    front: Option<F32<S>>,
 }
 
 /// A piece of rays between two nodes, or what of it lies in a layer.
@@ -39,10 +41,16 @@ pub struct Piece<S: Lanes> {
 }
 
 impl<S: Lanes> Run<S> {
-    /// The pieces of open rays from a distance on, as far as `length`.
+    /// The pieces of open rays from a distance on, as far as `length`, behind an opacity.
     #[inline(always)]
-    pub fn new(s: S, spans: &[Span<S>], (from, length, open): (F32<S>, F32<S>, Mask<S>), jitter: F32<S>) -> Self {
-        let mut run = Self { nodes: [from; RUN + 1], lanes: [open; RUN], count: 0, jitter };
+    pub fn new(
+        s: S,
+        spans: &[Span<S>],
+        (from, length, open): (F32<S>, F32<S>, Mask<S>),
+        jitter: F32<S>,
+        front: Option<F32<S>>,
+    ) -> Self {
+        let mut run = Self { nodes: [from; RUN + 1], lanes: [open; RUN], count: 0, jitter, front };
         let bordered = borders_within(s, spans, from, open);
         for number in 0..RUN {
             let from = run.nodes[number];
@@ -62,7 +70,13 @@ impl<S: Lanes> Run<S> {
         let half = splat(s, 0.5);
         let mut nodes = [distance + half; RUN + 1];
         nodes[0] = distance - half;
-        Self { nodes, lanes: [lanes; RUN], count: 1, jitter }
+        Self { nodes, lanes: [lanes; RUN], count: 1, jitter, front: None }
+    }
+
+    /// Opacity in front of the first piece, if that is known.
+    #[inline(always)]
+    pub fn front(&self) -> Option<F32<S>> {
+        self.front
     }
 
     /// How many pieces there are.

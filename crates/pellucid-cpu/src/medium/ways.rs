@@ -27,6 +27,8 @@ pub struct Ways<S: Lanes> {
 pub struct Progress<S: Lanes> {
     distance: F32<S>,
     open: Mask<S>,
+    /// Opacity of what they have met, if anybody tells.
+    pub front: Option<F32<S>>,
     /// What the layers send of the pieces of a run, piece by piece.
     each: Vec<Element<S>>,
     /// The same of all layers together.
@@ -75,7 +77,7 @@ impl<S: Lanes> Ways<S> {
     pub fn start(&self, s: S) -> Progress<S> {
         let (distance, layers) = (splat(s, 0.0), self.spans.len());
         let open = (distance + CLOSE).simd_lt(self.length);
-        Progress { distance, open, each: nothings(s, RUN * layers), merged: nothings(s, RUN) }
+        Progress { distance, open, front: None, each: nothings(s, RUN * layers), merged: nothings(s, RUN) }
     }
 
     /// Looks at the next [`RUN`] pieces, nearest first: `see` is given the distance of their samples and the merged
@@ -92,7 +94,7 @@ impl<S: Lanes> Ways<S> {
         let mut open = progress.open;
         let from = self.leap(s, what.0, progress.distance, open);
         counter.skip(from.min(self.length) - progress.distance);
-        let run = Run::new(s, &self.spans, (from, self.length, open), self.jitter);
+        let run = Run::new(s, &self.spans, (from, self.length, open), self.jitter, progress.front);
         self.look(s, what, &run, progress);
         for (number, element) in progress.merged.iter().take(run.count()).enumerate() {
             open &= run.lanes(number);

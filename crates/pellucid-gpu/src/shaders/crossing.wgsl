@@ -5,7 +5,7 @@
 #import pellucid::ray::{Ray, Segment, ray_at}
 #import pellucid::field::{field_gradient, field_value, is_present}
 #import pellucid::levels::{between, levels}
-#import pellucid::light::lit
+#import pellucid::light::{Unlit, lit}
 #ifdef KERNELS
 #import pellucid::field::world_gradient
 #import pellucid::pieces::is_of_nearest
@@ -108,14 +108,14 @@ struct Met {
     gradient: vec3<f32>,
 }
 
-// What a ray meets where a level lies at a distance, the values rising by `jump` there.
-fn met_at(ray: Ray, distance: f32, number: u32, jump: f32) -> Met {
+// What a ray meets where a level lies at a distance, behind an opacity, the values rising by `jump` there.
+fn met_at(ray: Ray, distance: f32, number: u32, jump: f32, front: f32) -> Met {
     let level = levels[number];
     let p = ray_at(ray, distance);
     let gradient = gradient_at(ray, p, jump);
     var rgba = vec4<f32>(level.color.rgb * level.color.a, level.color.a);
 #ifdef SHADED
-    rgba = lit(rgba, level.value.x, p, gradient, ray.to_eye);
+    rgba = lit(Unlit(rgba, level.value.x, p, gradient, ray.to_eye, front));
 #endif
     return Met(rgba, gradient);
 }

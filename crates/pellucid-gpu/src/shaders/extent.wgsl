@@ -2,7 +2,8 @@
 #define_import_path pellucid::extent
 
 #import pellucid::frame::{frame, world_of}
-#import pellucid::light::{Incident, incident, normalized}
+#import pellucid::arriving::{Incident, incident}
+#import pellucid::normal::normalized
 #import pellucid::lists::{Extent, lights}
 #import pellucid::flight::FAR_AWAY
 #import pellucid::random::random

@@ -7,7 +7,7 @@
 #import pellucid::field::field_value
 #import pellucid::crossing::{crosses, level_of, met_at, place_in}
 #import pellucid::levels::{between, levels}
-#import pellucid::light::normal_of
+#import pellucid::normal::normal_of
 #ifdef KERNELS
 #import pellucid::field::ABSENT
 #import pellucid::pieces::{cells_at, is_of_nearest, meet_cell, next_cell}
@@ -132,8 +132,9 @@ fn next_hit(pixel: vec2<u32>, sub: u32, last: Cursor) -> Cursor {
     return cursor;
 }
 
-// What is met at the surface ahead.
-fn hit(pixel: vec2<u32>, sub: u32, cursor: Cursor) -> Hit {
-    let met = met_at(ray_of(pixel, sub), cursor.distance, cursor.number, cursor.values.y - cursor.values.x);
+// What is met at the surface ahead, behind an opacity.
+fn hit(pixel: vec2<u32>, sub: u32, cursor: Cursor, front: f32) -> Hit {
+    let jump = cursor.values.y - cursor.values.x;
+    let met = met_at(ray_of(pixel, sub), cursor.distance, cursor.number, jump, front);
     return Hit(met.rgba, normal_of(met.gradient).direction);
 }

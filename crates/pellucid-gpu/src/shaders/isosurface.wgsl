@@ -5,7 +5,7 @@
 #import pellucid::ray::{Ray, Segment}
 #import pellucid::crossing::{crosses, level_of, met_at, place_in}
 #import pellucid::levels::{between, levels}
-#import pellucid::light::normal_of
+#import pellucid::normal::normal_of
 #import pellucid::march::{State, NOWHERE}
 #import pellucid::table::over
 
@@ -23,7 +23,7 @@ fn meet_segment(state: ptr<function, State>, ray: Ray, segment: Segment) -> bool
         }
         (*state).counts.y += 1u;
         let distance = place_in(ray, segment, number);
-        let met = met_at(ray, distance, number, segment.value.y - segment.value.x);
+        let met = met_at(ray, distance, number, segment.value.y - segment.value.x, (*state).color.a);
         (*state).color = over((*state).color, met.rgba);
         if (*state).surface.w == NOWHERE {
             (*state).surface = vec4<f32>(normal_of(met.gradient).direction, distance);

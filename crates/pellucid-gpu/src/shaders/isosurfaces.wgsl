@@ -33,7 +33,7 @@ fn follow(turn: ptr<function, Turn>) {
     var layer = nearest();
     while cursors[layer].ahead < BEYOND {
         let cursor = cursors[layer];
-        let met = hit(layer, pixel, sub, cursor);
+        let met = hit(layer, pixel, sub, cursor, state.color.a);
         state.counts.y += 1u;
         state.color = over(state.color, met.rgba);
         if state.surface.w == NOWHERE {

@@ -36,8 +36,8 @@ fn clear(way: Way, distance: f32) -> f32 {
 #endif
 }
 
-// What a piece sends to the eye, over its own length; its sample lies in it where `jitter` says.
-fn element(way: Way, ends: vec2<f32>, jitter: f32) -> vec4<f32> {
+// What a piece sends to the eye, over its own length, behind an opacity; its sample lies in it where `jitter` says.
+fn element(way: Way, ends: vec2<f32>, jitter: f32, front: f32) -> vec4<f32> {
     let length = ends.y - ends.x;
 #ifdef SEGMENTS
     let p = position(way, (ends.x + ends.y) * 0.5);
@@ -53,7 +53,7 @@ fn element(way: Way, ends: vec2<f32>, jitter: f32) -> vec4<f32> {
     if rgba.a <= 0.0 {
         return vec4<f32>(0.0);
     }
-    return shown(ray_along(way), p, value, rgba);
+    return shown(ray_along(way), p, value, rgba, front);
 }
 
 // The unit normal of the field at a distance; zero where there is none.

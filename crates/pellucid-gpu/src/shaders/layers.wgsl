@@ -37,7 +37,7 @@ fn follow(turn: ptr<function, Turn>, jitter: f32) {
             let ends = vec2<f32>(distance, end_of(distance, floor(distance + CLOSE) + 1.0));
             distance = ends.y;
             state.counts.x += 1u;
-            var elements = each_of(ends, jitter);
+            var elements = each_of(ends, jitter, state.color.a);
             let rgba = merged(&elements);
             if rgba.a <= 0.0 {
                 continue;

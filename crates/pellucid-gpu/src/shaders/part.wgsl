@@ -3,7 +3,7 @@
 
 #import pellucid::field::{field_gradient, field_value}
 #import pellucid::flight::{Encounter, Part, FAR_AWAY}
-#import pellucid::light::normal_of
+#import pellucid::normal::normal_of
 #import pellucid::paths::{collide, matter_at, part_from, paths, transmittance}
 
 // The nearer one of what was met and of what this volume, number `layer`, has in front of it.

@@ -2,7 +2,7 @@
 #define_import_path pellucid::sight
 
 #import pellucid::field::{field_gradient, field_value}
-#import pellucid::light::normal_of
+#import pellucid::normal::normal_of
 #import pellucid::paths::{matter_at, paths}
 #import pellucid::ray::{Ray, ray_at, ray_of, sample_of}
 

@@ -1,7 +1,8 @@
 // What a volume sends to the eye from a slab, in the light that has come to it (Eq. 6.9, 6.10, K-05).
 #define_import_path pellucid::slab_light
 
-#import pellucid::light::{add_light, in_light, in_the_dark, incident}
+#import pellucid::arriving::incident
+#import pellucid::light::{Unlit, lit_by}
 #import pellucid::passage::{Matter, Passage, Shares}
 #import pellucid::ray::ray_along
 #import pellucid::surface::gradient_of_surface
@@ -52,9 +53,9 @@ fn seen(way: Way, passage: Passage, matter: Matter, lost: vec4<f32>, left: Share
     indirect += max(left.indirect - each_color(left.direct), vec3<f32>(0.0)) * sweep.cone.rgb * each_color(1.0 - lost.a);
 #endif
     let light = sweep.light;
-    var sample = in_the_dark(matter.value, gradient_of_surface(ray_along(way), p), way.to_eye);
-    add_light(&sample, light, p, each_color(direct) * sweep.scales.x);
-    var color = in_light(sample, rgba);
+    // Rays that meet the last slabs first do not know what is in front.
+    let sample = Unlit(rgba, matter.value, p, gradient_of_surface(ray_along(way), p), way.to_eye, 0.0);
+    var color = lit_by(sample, light, each_color(direct) * sweep.scales.x);
 #ifdef INDIRECT
     let factor = indirect * incident(light, p).radiance * sweep.scales.y;
     color += vec4<f32>(rgba.rgb * factor, 0.0);

@@ -31,7 +31,7 @@ fn fragment(@builtin(position) position: vec4<f32>, @location(0) @interpolate(fl
             let ends = vec2<f32>(distance, end_of(distance, end));
             distance = ends.y;
             counts.x += 1u;
-            var elements = each_of(ends, jitter);
+            var elements = each_of(ends, jitter, color.a);
             var rgba = merged(&elements);
             if slices.counts.y != 0u {
                 // As if every ray crossed the slices at a right angle.

@@ -5,7 +5,8 @@
 #import pellucid::ray::{Ray, ray_at}
 #import pellucid::march::{State, NOWHERE}
 #import pellucid::field::{field_gradient, field_value, is_present}
-#import pellucid::light::{lit, normal_of}
+#import pellucid::light::{Unlit, lit}
+#import pellucid::normal::normal_of
 #import pellucid::table::over
 #import pellucid::cut::cut_gradient
 
@@ -20,10 +21,10 @@ fn gradient_of_surface(ray: Ray, p: vec3<f32>) -> vec3<f32> {
 }
 #endif
 
-// A sample of a value in its light, if there is any.
-fn shown(ray: Ray, p: vec3<f32>, value: f32, sample: vec4<f32>) -> vec4<f32> {
+// A sample of a value in its light, if there is any, behind an opacity.
+fn shown(ray: Ray, p: vec3<f32>, value: f32, sample: vec4<f32>, front: f32) -> vec4<f32> {
 #ifdef LIT
-    return lit(sample, value, p, gradient_of_surface(ray, p), ray.to_eye);
+    return lit(Unlit(sample, value, p, gradient_of_surface(ray, p), ray.to_eye, front));
 #else
     return sample;
 #endif
@@ -31,7 +32,7 @@ fn shown(ray: Ray, p: vec3<f32>, value: f32, sample: vec4<f32>) -> vec4<f32> {
 
 // Adds a sample of a value behind what is there. Returns whether the ray is done.
 fn add_sample(state: ptr<function, State>, ray: Ray, distance: f32, value: f32, sample: vec4<f32>) -> bool {
-    let rgba = shown(ray, ray_at(ray, distance), value, sample);
+    let rgba = shown(ray, ray_at(ray, distance), value, sample, (*state).color.a);
     (*state).color = over((*state).color, rgba);
     if (*state).color.a >= 0.5 && (*state).surface.w == NOWHERE {
         (*state).surface.w = distance;

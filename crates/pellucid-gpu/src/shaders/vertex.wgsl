@@ -4,7 +4,7 @@
 
 #import pellucid::frame::frame
 #import pellucid::flight::Vertex
-#import pellucid::light::normalized
+#import pellucid::normal::normalized
 #import pellucid::random::random
 #import pellucid::table::node_of
 #ifdef PERTURBED
@@ -13,7 +13,7 @@
 #import pellucid::scatter::{PI, entry, scatterer_of, phase_value, phase_weight, phase_density, phase_cosine}
 #ifdef SHADED
 #import pellucid::field::field_gradient
-#import pellucid::light::normal_of
+#import pellucid::normal::normal_of
 #import pellucid::scatter::gradient_share
 #endif
 

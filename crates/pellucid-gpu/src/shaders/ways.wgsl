@@ -63,12 +63,12 @@ fn is_in(way: Way, ends: vec2<f32>) -> bool {
     return middle > way.ends.x && middle < way.ends.y;
 }
 
-// What volumes send of a piece; nothing where they are not.
-fn each_of(ends: vec2<f32>, jitter: f32) -> array<vec4<f32>, COUNT> {
+// What volumes send of a piece, behind an opacity; nothing where they are not.
+fn each_of(ends: vec2<f32>, jitter: f32, front: f32) -> array<vec4<f32>, COUNT> {
     var elements: array<vec4<f32>, COUNT>;
     for (var i = 0u; i < COUNT; i += 1u) {
         if is_in(ways[i], ends + begin) {
-            elements[i] = element(i, ways[i], ends + begin, jitter);
+            elements[i] = element(i, ways[i], ends + begin, jitter, front);
         }
     }
     return elements;

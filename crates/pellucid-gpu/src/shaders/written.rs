@@ -10,7 +10,7 @@ pub fn each(layers: usize) -> String {
     let functions = [
         ("way_of", "at: vec2<f32>", "Way"),
         ("clear", "way: Way, distance: f32", "f32"),
-        ("element", "way: Way, ends: vec2<f32>, jitter: f32", "vec4<f32>"),
+        ("element", "way: Way, ends: vec2<f32>, jitter: f32, front: f32", "vec4<f32>"),
         ("normal", "way: Way, distance: f32", "vec3<f32>"),
     ];
     "#define_import_path pellucid::each\n#import pellucid::way::Way\n".to_owned()
@@ -22,7 +22,7 @@ pub fn each_hit(layers: usize) -> String {
     let functions = [
         ("first_hit", "pixel: vec2<u32>, sub: u32", "Cursor"),
         ("next_hit", "pixel: vec2<u32>, sub: u32, last: Cursor", "Cursor"),
-        ("hit", "pixel: vec2<u32>, sub: u32, cursor: Cursor", "Hit"),
+        ("hit", "pixel: vec2<u32>, sub: u32, cursor: Cursor, front: f32", "Hit"),
     ];
     "#define_import_path pellucid::each_hit\n#import pellucid::cursor::{Cursor, Hit}\n".to_owned()
         + &choices(layers, "hits", &functions)

@@ -3,30 +3,30 @@
 use pellucid_field::Sampler;
 use pellucid_scene::Mode;
 
+use super::blinn_phong::BlinnPhong;
+use super::lighting::{Answer, Lighting};
+use super::lights::Lights;
+use super::scatter::Scatter;
 use crate::lanes::Lanes;
 use crate::prepare::Prepared;
-use crate::scatter::Scatter;
 use crate::shadow::{LightVolume, LightVolumes, Media, Shadow, Surfaces, ToLights};
-use crate::surface::Surface;
 
 impl Prepared<'_> {
     /// Light on samples, if they are lit at all, and in what shadow.
-    pub fn surface<'a, S: Lanes>(
+    pub fn lighting<'a, S: Lanes>(
         &'a self,
         shadow: impl FnOnce() -> Option<Box<dyn Shadow<S> + 'a>>,
-    ) -> Option<Surface<'a, S>> {
-        let (weight, stage) = (self.volume.gradient_weight, self.stage);
-        let (material, scatter) = (self.volume.material, self.scatter());
-        if material.is_none() && scatter.is_none() {
+    ) -> Option<Lighting<'a, S>> {
+        let (weight, stage, scatter) = (self.volume.gradient_weight, self.stage, self.scatter());
+        if self.volume.material.is_none() && scatter.is_none() {
             return None;
         }
-        let world_from_index = self.grid().world_from_index();
-        let surface =
-            Surface::new(material.unwrap_or_default(), weight, &stage.lights, stage.ambient, world_from_index);
-        let surface = surface.shadowed(shadow(), stage.chroma(self.volume));
-        Some(match scatter {
-            Some(scatter) => surface.scattering(scatter),
-            None => surface,
+        let material = self.volume.material.unwrap_or_default();
+        Some(Lighting {
+            lights: Lights::new(&stage.lights, self.grid().world_from_index()),
+            shadow: shadow(),
+            chroma: stage.chroma(self.volume),
+            answer: Answer::new(BlinnPhong { material, weight, ambient: stage.ambient }, scatter),
         })
     }
 

@@ -29,13 +29,18 @@ impl<'a> Scatter<'a> {
         Self { scattering, table: Lookup::of_rows(table.entries(), table.nodes()), uniform }
     }
 
-    /// This, with the anisotropy, if that is the same everywhere.
+    /// Whether any samples are surfaces.
+    pub fn has_surfaces(&self) -> bool {
+        self.scattering.has_surfaces()
+    }
+
+    /// The factor of a light's radiance at cosines `mu`, where the anisotropy is the same everywhere.
     #[inline(always)]
-    pub fn uniform(&self) -> Option<(&Self, f32)> {
-        self.uniform.map(
-            #[inline(always)]
-            |g| (self, g),
-        )
+    pub fn along<S: Lanes>(&self, s: S, mu: F32<S>) -> Option<[F32<S>; 3]> {
+        match self.uniform {
+            Some(g) => Some(self.weight(s, splat(s, g), mu, all(s, true))),
+            None => None,
+        }
     }
 
     /// Gradient magnitudes between which a cloud turns into a surface, if gradients decide.
