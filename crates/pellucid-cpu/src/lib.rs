@@ -1,8 +1,8 @@
 //! The CPU backend.
 //!
 //! A frame is drawn by packets of rays in tiles over all cores. Every mode stands on the same parts:
-//! rays and where on them samples are taken (`rays`), where they meet the field (`lines`, `solid`), side by side in
-//! vectors (`packet`), what lies along them (`medium`), the question "what is the field here?" (`field`), what it looks like
+//! rays (`source`), where they meet the field (`lines`, `solid`) and where on them samples are taken (`rays`), side by
+//! side in vectors (`packet`), what lies along them (`medium`), the question "what is the field here?" (`field`), what it looks like
 //! (`classify`, `light`), and blocks that cannot contribute (`skip`). A mode is what it does with
 //! the samples. What runs per sample is written once and compiled for every instruction set
 //! (`lanes`).
@@ -39,6 +39,7 @@ mod shadow;
 mod skip;
 mod slice;
 mod solid;
+mod source;
 #[cfg(test)]
 mod test_random;
 mod tiles;

@@ -7,7 +7,6 @@
 //! length, so that the interval is covered exactly and a homogeneous slab has its exact transmittance
 //! at any step (1.4-13, Appendix E2).
 
-use glam::DVec3;
 use pellucid_plan::blue_noise;
 use pellucid_plan::half_angle::LightFrame;
 use pellucid_scene::{Jitter, Stage};
@@ -16,37 +15,16 @@ use crate::lanes::{InstructionSet, Lanes, MOST_LANES, dispatch, width};
 use crate::lines::{Lines, larger, smaller};
 use crate::packet::Packet;
 use crate::solid::Solid;
+use crate::source::Source;
 use crate::tiles::Tile;
 
 /// One number a lane, in f64: far from the volume f32 would blur the entry.
 type Wide = [f64; MOST_LANES];
 
-/// A vector that changes linearly over the picture: at its middle, and per unit to the right and up.
-struct Linear {
-    middle: DVec3,
-    right: DVec3,
-    up: DVec3,
-}
-
-impl Linear {
-    #[inline(always)]
-    fn at(&self, axis: usize, a: f64, b: f64) -> f64 {
-        self.middle[axis] + self.right[axis] * a + self.up[axis] * b
-    }
-}
-
-/// Makes packets of the rays of a picture, which come from an eye or from a light.
+/// Makes packets of the rays of a picture.
 pub struct Emitter {
     set: InstructionSet,
-    /// Whether they leave one point.
-    perspective: bool,
-    /// How far to the right and up the picture's corner (0, 0) is, at distance 1 or in world units.
-    corner: [f64; 2],
-    /// How far it is from there to the next pixel on the right, and below.
-    pixel: [f64; 2],
-    origin: Linear,
-    /// Directions of any length.
-    direction: Linear,
+    source: Source,
     step: f64,
     jitter: Jitter,
 }
@@ -54,35 +32,13 @@ pub struct Emitter {
 impl Emitter {
     /// Of the eye, for the camera and quality of a stage.
     pub fn of_eye(stage: &Stage, set: InstructionSet) -> Self {
-        let view = &stage.viewpoint;
-        let pixel = 2.0 * view.half_height / view.height as f64;
-        let middle = [view.width as f64 / 2.0 - view.shift.x, view.height as f64 / 2.0 - view.shift.y];
-        let (corner, pixel) = ([-middle[0] * pixel, middle[1] * pixel], [pixel, -pixel]);
-        let (step, jitter) = (stage.step, stage.quality.jitter);
-        let from = [view.eye, view.forward, view.right, view.up];
-        Self { jitter, ..Self::new(from, view.perspective, [corner, pixel], step, set) }
+        let (source, step, jitter) = (Source::of_eye(&stage.viewpoint), stage.step, stage.quality.jitter);
+        Self { set, source, step, jitter }
     }
 
     /// Of a light, through the texels of its picture.
     pub fn of_light(frame: &LightFrame, step: f64, set: InstructionSet) -> Self {
-        let from = [frame.origin, frame.forward, frame.right, frame.up];
-        let picture = [frame.low.to_array(), frame.texel.to_array()];
-        Self::new(from, !frame.is_directional, picture, step, set)
-    }
-
-    fn new(
-        [position, forward, right, up]: [DVec3; 4],
-        perspective: bool,
-        [corner, pixel]: [[f64; 2]; 2],
-        step: f64,
-        set: InstructionSet,
-    ) -> Self {
-        // Rays of a perspective leave one point, others one direction.
-        let (same, differing) =
-            (|middle| Linear { middle, right: DVec3::ZERO, up: DVec3::ZERO }, |middle| Linear { middle, right, up });
-        let (origin, direction) =
-            if perspective { (same(position), differing(forward)) } else { (differing(position), same(forward)) };
-        Self { set, perspective, corner, pixel, origin, direction, step, jitter: Jitter::Centered }
+        Self { set, source: Source::of_light(frame), step, jitter: Jitter::Centered }
     }
 
     /// Rays through pixels of a tile whose first is at `[left, top]`, so many of `lanes` side by side; `sub` is the
@@ -159,7 +115,7 @@ impl Emitter {
             #[inline(always)]
             || {
                 let n = width::<S>();
-                let world = self.lines(n, x, y);
+                let world = self.source.lines(n, x, y);
                 for (solid, packet) in solids.iter().zip(packets) {
                     let mut lines = solid.carry(n, &world);
                     solid.cut(n, &mut lines);
@@ -170,29 +126,6 @@ impl Emitter {
                 }
             },
         );
-    }
-
-    /// The rays of the world through picture positions.
-    #[inline(always)]
-    fn lines(&self, n: usize, x: &Wide, y: &Wide) -> Lines<MOST_LANES> {
-        let (mut a, mut b, mut unit) = ([0.0; MOST_LANES], [0.0; MOST_LANES], [1.0; MOST_LANES]);
-        for lane in 0..n {
-            a[lane] = x[lane] * self.pixel[0] + self.corner[0];
-            b[lane] = y[lane] * self.pixel[1] + self.corner[1];
-        }
-        if self.perspective {
-            for lane in 0..n {
-                unit[lane] = 1.0 / (1.0 + a[lane] * a[lane] + b[lane] * b[lane]).sqrt();
-            }
-        }
-        let mut lines = Lines::UNDIRECTED;
-        for axis in 0..3 {
-            for lane in 0..n {
-                lines.origin[axis][lane] = self.origin.at(axis, a[lane], b[lane]);
-                lines.direction[axis][lane] = self.direction.at(axis, a[lane], b[lane]) * unit[lane];
-            }
-        }
-        lines
     }
 
     /// Writes down rays of the world that lie so in a solid.

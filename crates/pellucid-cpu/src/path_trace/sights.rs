@@ -9,11 +9,11 @@ use pellucid_scene::{PathTrace, Viewpoint};
 
 use super::majorants::Walk;
 use super::space::Flight;
-use crate::lines::Lines;
+use crate::source::Source;
 
 /// The blocks that the rays of a pixel may meet, all of which pass less than a block beside its middle ray.
 pub struct Sights {
-    view: Viewpoint,
+    source: Source,
     /// Into a grid with one block more on every side.
     block_from_world: DAffine3,
     /// In that grid; live is what is live itself or beside what is.
@@ -43,17 +43,17 @@ impl Sights {
         // A little less than a block leaves room for rounding.
         let is_narrow = settings.aperture == 0.0 && size.is_finite() && spread < 0.99 * size;
         // Paths are spread over each pixel anyway (`lens.rs`).
-        let view = Viewpoint { shift: DVec2::ZERO, ..*view };
+        let source = Source::of_eye(&Viewpoint { shift: DVec2::ZERO, ..*view });
         let block_from_index =
             DAffine3::from_translation(DVec3::ONE) * DAffine3::from_scale(DVec3::splat(size.recip()));
         let block_from_world = block_from_index * index_from_world;
-        is_narrow.then(|| Self { view, block_from_world, leaps: widened(&majorants.leaps) })
+        is_narrow.then(|| Self { source, block_from_world, leaps: widened(&majorants.leaps) })
     }
 
     /// That of a pixel.
     pub fn of_pixel(&self, x: usize, y: usize) -> Sight {
-        let ray = self.view.ray(x as f64 + 0.5, y as f64 + 0.5);
-        let mut line = Lines::from((&ray, [0.0, f64::INFINITY])).carried(1, &self.block_from_world);
+        let world = self.source.lines(1, &[x as f64 + 0.5], &[y as f64 + 0.5]);
+        let mut line = world.carried(1, &self.block_from_world);
         line.keep_box(1, DVec3::ZERO, DVec3::from_array(self.leaps.dims().map(|n| n as f64)));
         let Some((enter, flight)) = Flight::new(&line) else { return Sight::Nowhere(false) };
         let mut walk = Walk::new(&self.leaps, 1.0, &flight);
