@@ -4,14 +4,14 @@ use pellucid_field::Sampler;
 use pellucid_scene::{Combine, Mode};
 
 use crate::RenderError;
-use crate::classify::{Classify, Lookup};
+use crate::classify::Classify;
 use crate::composite::{Accumulation, Composite, PreIntegrated};
 use crate::field::Field;
 use crate::integrator::Integrator;
 use crate::isosurface::Isosurfaces;
 use crate::lanes::{InstructionSet, Lanes, dispatch};
 use crate::light::Lighting;
-use crate::medium::{Integrals, OneGrid, WithMedium};
+use crate::medium::{Integrals, OneGrid, Values, WithMedium};
 use crate::prepare::Prepared;
 use crate::projection::{Additive, Average, Extreme, XRay};
 use crate::reconstruct::WithField;
@@ -55,26 +55,22 @@ impl Prepared<'_> {
 
     /// The integrator of a mode whose samples have no order.
     pub fn projection<'a, S: Lanes>(&'a self, s: S, sampler: Sampler<'a>) -> Box<dyn Integrator + 'a> {
-        let (field, table) = (|sampler| self.any(sampler), || Lookup::of_table(&self.tables.table));
+        let valued = |sampler, opaque| self.valued(s, self.any(sampler), opaque);
         match self.stage.mode() {
             Mode::Maximum | Mode::Minimum => self.with_field(sampler, Extremes { prepared: self, s }),
-            Mode::Additive => {
-                let step_ratio = (self.stage.step / self.volume.unit_distance()) as f32;
-                let skip = self.grids.skip.as_ref();
-                Box::new(Additive { s, field: field(sampler), table: table(), step_ratio, skip })
-            }
+            Mode::Additive => Box::new(Additive { medium: self.shining(s, sampler) }),
             Mode::XRay => Box::new(XRay { medium: self.radiograph(s, sampler) }),
             Mode::Slice(slice) if slice.thickness == 0.0 => {
                 let (point, normal) = self.stage.slice_plane(self.volume, slice);
-                Box::new(SlicePlane::new(s, field(sampler), table(), self.grid(), point, normal))
+                Box::new(SlicePlane::new(valued(sampler, true), self.grid(), point, normal))
             }
             Mode::Slice(slice) => match slice.combine {
-                Combine::Maximum => Box::new(self.extreme(s, field(sampler), false, true)),
-                Combine::Minimum => Box::new(self.extreme(s, field(sampler), true, true)),
-                Combine::Average => Box::new(Average { s, field: field(sampler), table: table(), opaque: true }),
+                Combine::Maximum => Box::new(self.extreme(valued(sampler, true), false)),
+                Combine::Minimum => Box::new(self.extreme(valued(sampler, true), true)),
+                Combine::Average => Box::new(Average { medium: valued(sampler, true) }),
             },
             Mode::Average | Mode::Composite | Mode::Isosurface(_) => {
-                Box::new(Average { s, field: field(sampler), table: table(), opaque: false })
+                Box::new(Average { medium: valued(sampler, false) })
             }
         }
     }
@@ -87,13 +83,10 @@ impl Prepared<'_> {
 
     fn extreme<'a, S: Lanes, F: Field<S> + 'a>(
         &'a self,
-        s: S,
-        field: F,
+        medium: OneGrid<'a, S, F, Values<'a>>,
         minimum: bool,
-        opaque: bool,
     ) -> Extreme<'a, S, F> {
-        let skip = self.grids.extremes.as_deref();
-        Extreme { s, field, table: Lookup::of_table(&self.tables.table), skip, minimum, opaque }
+        Extreme { medium, blocks: self.grids.extremes.as_deref(), minimum }
     }
 
     /// Shaded isosurfaces of the volume.
@@ -148,7 +141,8 @@ impl<'a, S: Lanes> WithField<'a, S> for Extremes<'a, S> {
     type Output = Box<dyn Integrator + 'a>;
 
     fn with<F: Field<S> + 'a>(self, field: F) -> Self::Output {
-        let minimum = *self.prepared.stage.mode() == Mode::Minimum;
-        Box::new(self.prepared.extreme(self.s, field, minimum, false))
+        let Self { prepared, s } = self;
+        let minimum = *prepared.stage.mode() == Mode::Minimum;
+        Box::new(prepared.extreme(prepared.valued(s, field, false), minimum))
     }
 }

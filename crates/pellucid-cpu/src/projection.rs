@@ -1,29 +1,24 @@
 //! Projections: what a ray makes of its values without an order (1.4-10, 1.4-11).
 
 use crate::cells::{self, Cells};
-use crate::classify::{Lookup, Post};
+use crate::classify::Post;
+use crate::element::Element;
 use crate::field::{Any, Field};
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
-use crate::medium::OneGrid;
+use crate::medium::{Emission, OneGrid, Values};
 use crate::packet::{Packet, Rays};
 use crate::samples::March;
-use crate::skip::{ExtremeGrid, SkipGrid};
+use crate::skip::ExtremeGrid;
 
 /// The largest or the smallest value of the field on a ray: exact where the field is trilinear, whatever the step.
 pub struct Extreme<'a, S, F> {
-    /// The instruction set.
-    pub s: S,
-    /// The field.
-    pub field: F,
-    /// The transfer function, applied once to the extreme.
-    pub table: Lookup<'a>,
+    /// What lies along rays: values.
+    pub medium: OneGrid<'a, S, F, Values<'a>>,
     /// Blocks, if those that cannot change the extreme are leapt over.
-    pub skip: Option<&'a ExtremeGrid>,
+    pub blocks: Option<&'a ExtremeGrid>,
     /// Smallest instead of largest.
     pub minimum: bool,
-    /// Opacity 1 wherever there is a value (slices) instead of the table's.
-    pub opaque: bool,
 }
 
 impl<S: Lanes, F: Field<S>> Integrator for Extreme<'_, S, F> {
@@ -32,14 +27,14 @@ impl<S: Lanes, F: Field<S>> Integrator for Extreme<'_, S, F> {
     }
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
-        let s = self.s;
+        let s = self.medium.s;
         s.vectorize(
             #[inline(always)]
             || {
                 let mut searches: Vec<ExtremeSearch<S>> = Vec::with_capacity(wave.len());
                 for packet in wave {
                     let (rays, counter) = (Rays::new(s, packet), Counter::new(s));
-                    let cells = Cells::new(s, &rays, self.field.knots());
+                    let cells = Cells::new(s, &rays, self.medium.field.knots());
                     let (best, depth) = (splat(s, f32::NEG_INFINITY), splat(s, f32::INFINITY));
                     searches.push(ExtremeSearch { rays, counter, cells, best, depth, open: true });
                 }
@@ -51,7 +46,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Extreme<'_, S, F> {
                 for (mut search, traced) in searches.into_iter().zip(traced) {
                     let best = search.best;
                     let value = best.is_finite().select(best * self.sign(), splat(s, f32::NAN));
-                    classified(s, &self.table, value, search.depth, self.opaque, traced, &mut search.counter);
+                    show(&self.medium, value, search.depth, traced, &mut search.counter);
                     search.counter.finish(traced, tally);
                 }
             },
@@ -79,10 +74,10 @@ impl<S: Lanes, F: Field<S>> Extreme<'_, S, F> {
     /// Looks at the next pieces that may exceed the best.
     #[inline(always)]
     fn run(&self, search: &mut ExtremeSearch<S>) {
-        let s = self.s;
+        let s = self.medium.s;
         let ExtremeSearch { rays, counter, cells, .. } = search;
         let (mut best, mut depth) = (search.best, search.depth);
-        if let Some(skip) = self.skip {
+        if let Some(skip) = self.blocks {
             let from = cells.ends[0];
             skip.leap(s, rays, cells, best);
             counter.skip(cells.ends[0].min(rays.length()).max(from) - from);
@@ -93,11 +88,11 @@ impl<S: Lanes, F: Field<S>> Extreme<'_, S, F> {
                 break;
             }
             if number % 2 == 0 {
-                self.field.prefetch(s, rays.at(cells.middle() + cells::RUN as f32));
+                self.medium.field.prefetch(s, rays.at(cells.middle() + cells::RUN as f32));
             }
             counter.sample(lanes);
             let [from, to] = cells.ends;
-            let [value, part] = self.field.highest(s, &[rays.at(from), rays.at(to)], self.sign(), best, lanes);
+            let [value, part] = self.medium.field.highest(s, &[rays.at(from), rays.at(to)], self.sign(), best, lanes);
             let better = lanes & value.simd_gt(best);
             best = better.select(value, best);
             depth = better.select(lerp::<S>(part, from, to), depth);
@@ -110,14 +105,8 @@ impl<S: Lanes, F: Field<S>> Extreme<'_, S, F> {
 
 /// The mean value.
 pub struct Average<'a, S, F> {
-    /// The instruction set.
-    pub s: S,
-    /// The field.
-    pub field: F,
-    /// The transfer function, applied once to the mean.
-    pub table: Lookup<'a>,
-    /// Opacity 1 wherever there is a value (slices) instead of the table's.
-    pub opaque: bool,
+    /// What lies along rays: values.
+    pub medium: OneGrid<'a, S, F, Values<'a>>,
 }
 
 impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
@@ -126,7 +115,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
     }
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
-        let s = self.s;
+        let s = self.medium.s;
         one_by_one(
             s,
             wave,
@@ -147,7 +136,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
                     |_| (),
                     #[inline(always)]
                     |sample, _| {
-                        let value = self.field.values(s, sample.index, sample.lanes);
+                        let value = self.medium.values(sample.index, sample.lanes);
                         let present = sample.lanes & value.is_finite();
                         let part = value.mul_add(sample.ratio, -lost);
                         let next = sum + part;
@@ -159,45 +148,31 @@ impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
                 ) {}
                 // An empty ray divides zero by zero: NaN, which is absent.
                 let nowhere = splat(s, f32::INFINITY);
-                classified(s, &self.table, sum / length, nowhere, self.opaque, traced, counter);
+                show(&self.medium, sum / length, nowhere, traced, counter);
             },
         );
     }
 }
 
-/// Writes down colour and opacity of one value for a whole ray; opacity is not corrected for any
-/// length.
+/// Writes down what one value for a whole ray looks like.
 #[inline(always)]
-pub fn classified<S: Lanes>(
-    s: S,
-    table: &Lookup,
+pub fn show<S: Lanes, F: Field<S>>(
+    medium: &OneGrid<S, F, Values>,
     value: F32<S>,
     depth: F32<S>,
-    opaque: bool,
     traced: &mut Traced,
     counter: &mut Counter<S>,
 ) {
-    let present = value.is_finite();
-    counter.see(present);
-    let [r, g, b, a] = table.lookup(s, value);
-    let a = if opaque { present.select(splat(s, 1.0), splat(s, 0.0)) } else { a };
-    traced.set_color::<S>([r * a, g * a, b * a, a]);
-    traced.set_surface(s, present, depth, [splat(s, 0.0); 3]);
+    let (s, Element { rgba, visible }) = (medium.s, medium.shown(value));
+    counter.see(visible);
+    traced.set_color::<S>(rgba);
+    traced.set_surface(s, visible, depth, [splat(s, 0.0); 3]);
 }
 
-/// Emission without absorption (1.2-7, model 2): the medium of the transfer function gives its
-/// light `q = kappa c` and takes none away. The picture adds to what is behind it.
+/// Emission without absorption: the picture adds to what is behind it.
 pub struct Additive<'a, S, F> {
-    /// The instruction set.
-    pub s: S,
-    /// The field.
-    pub field: F,
-    /// Colour and opacity per unit distance.
-    pub table: Lookup<'a>,
-    /// Step in unit distances.
-    pub step_ratio: f32,
-    /// Blocks that can contribute, if empty space is skipped.
-    pub skip: Option<&'a SkipGrid>,
+    /// What lies along rays: what shines.
+    pub medium: OneGrid<'a, S, F, Emission<'a>>,
 }
 
 impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
@@ -206,9 +181,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
     }
 
     fn trace(&self, wave: &[Packet], traced: &mut [Traced], tally: &mut Tally) {
-        /// Opacity 1 would shine infinitely; this one emits 9.2 times its colour per unit distance.
-        const BRIGHTEST: f32 = 0.9999;
-        let s = self.s;
+        let s = self.medium.s;
         one_by_one(
             s,
             wave,
@@ -221,18 +194,14 @@ impl<S: Lanes, F: Field<S>> Integrator for Additive<'_, S, F> {
                 while march.run(
                     s,
                     rays,
-                    self.skip,
+                    self.medium.skip,
                     counter,
                     |_| (),
                     #[inline(always)]
                     |sample, counter| {
-                        let value = self.field.values(s, sample.index, sample.lanes);
-                        let [r, g, b, a] = self.table.lookup(s, value);
-                        let visible = sample.lanes & a.simd_gt(splat(s, 0.0));
+                        let (color, depth, visible) = self.medium.emission(sample);
                         counter.see(visible);
-                        let depth = extinction(s, a.min(splat(s, BRIGHTEST))) * sample.ratio * self.step_ratio;
-                        let depth = visible.select(depth, splat(s, 0.0));
-                        for (sum, channel) in sum.iter_mut().zip([r, g, b]) {
+                        for (sum, channel) in sum.iter_mut().zip(color) {
                             *sum = channel.mul_add(depth, *sum);
                         }
                         all(s, false)

@@ -3,7 +3,7 @@
 use pellucid_field::Sampler;
 use pellucid_scene::Classification;
 
-use super::{Integrals, Level, OneGrid};
+use super::{Emission, Integrals, Level, OneGrid, Values};
 use crate::classify::{Classify, Lookup, Post, Pre, PreEach, Segments};
 use crate::field::{Any, Field, Moved};
 use crate::lanes::Lanes;
@@ -118,6 +118,18 @@ impl Prepared<'_> {
         let tf = &self.volume.transfer_function;
         let levels = self.stage.isovalues(self.number).iter().map(|iso| Level::new(iso, tf)).collect();
         self.one_grid(s, field, levels, lighting)
+    }
+
+    /// Values that stand for whole rays, `opaque` or as the transfer function has them.
+    pub fn valued<'a, S: Lanes, F: Field<S>>(&'a self, s: S, field: F, opaque: bool) -> OneGrid<'a, S, F, Values<'a>> {
+        self.one_grid(s, field, Values { table: Lookup::of_table(&self.tables.table), opaque }, None)
+    }
+
+    /// The medium as it shines, without holding light back.
+    pub fn shining<'a, S: Lanes>(&'a self, s: S, sampler: Sampler<'a>) -> OneGrid<'a, S, Any<'a, S>, Emission<'a>> {
+        let step_ratio = (self.stage.step / self.volume.unit_distance()) as f32;
+        let optics = Emission { table: Lookup::of_table(&self.tables.table), step_ratio };
+        self.one_grid(s, self.any(sampler), optics, None)
     }
 
     /// The medium of a radiograph: opacities of single steps.

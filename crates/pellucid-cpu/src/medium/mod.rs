@@ -5,18 +5,22 @@
 
 mod choice;
 mod crossing;
+mod emission;
 mod many;
 mod merge;
 mod one_grid;
 mod run;
+mod values;
 mod ways;
 
 pub use choice::{Shadowing, WithMedium};
 pub use crossing::{Crossed, Level, crosses};
+pub use emission::Emission;
 pub use many::Many;
 pub use merge::merged;
 pub use one_grid::{Integrals, OneGrid, Segmented};
 pub use run::{Piece, Run, Span};
+pub use values::Values;
 pub use ways::{Progress, Ways};
 
 use crate::cut::Cut;
