@@ -27,6 +27,14 @@ pub enum Overlap {
 }
 
 impl Overlap {
+    /// Whether a volume, by its place in the list, holds light back: of two that are fused, one gives its colours alone.
+    pub fn holds_back(&self, volume: usize) -> bool {
+        match self {
+            Self::Add | Self::Maximum | Self::Priority => true,
+            Self::Fused { opacity, .. } => *opacity == volume,
+        }
+    }
+
     pub(crate) fn check(&self, volumes: usize) -> Checked {
         let Self::Fused { color, opacity } = *self else { return Ok(()) };
         let path = "overlap.fused";

@@ -131,10 +131,8 @@ const NEEDS: &[(&str, &[Need])] = &[
 
 const LAYERED: Need = Need { is_met: |drawn| drawn.stage.has_layers(), otherwise: "there is one volume" };
 
-const NOT_OF_SURFACES: Need = Need {
-    is_met: |drawn| drawn.stage.technique.needs().overlap,
-    otherwise: "surfaces, paths and half-angle light meet all volumes",
-};
+const NOT_OF_SURFACES: Need =
+    Need { is_met: |drawn| drawn.stage.technique.needs().overlap, otherwise: "surfaces and paths meet all volumes" };
 
 const FROM_A_POINT: Need = Need {
     // Rays that begin within the volume miss what lies behind the eye.

@@ -1,9 +1,9 @@
 //! Light on its way through a slab: attenuated, and what is scattered forward spread over a cone
 //! (Eq. 6.6, 6.7, K-06, K-09).
 
+use super::band::{Band, TILE};
 use super::blur::Blur;
 use super::buffer::{LightBuffer, MOST_CHANNELS, texels};
-use super::matter::{Band, TILE};
 use super::step::Step;
 use crate::lanes::*;
 

@@ -3,9 +3,9 @@
 
 use pellucid_scene::InScatter;
 
+use super::band::Band;
 use super::buffer::{LightBuffer, MOST_CHANNELS, Shape, texels};
 use super::frame::Project;
-use super::matter::Band;
 use super::step::{Radius, Step};
 use crate::lanes::*;
 use crate::packet::PerLane;

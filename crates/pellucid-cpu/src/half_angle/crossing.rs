@@ -4,6 +4,8 @@
 //! segment of its own length, cut where the ray enters and leaves the field, with one sample in it: so a
 //! homogeneous medium has its exact transmittance at any thickness and angle.
 
+use std::ops::Range;
+
 use pellucid_field::Grid;
 use pellucid_plan::half_angle::Slabs;
 
@@ -90,7 +92,7 @@ impl Crossing {
     }
 
     /// The slabs that any of its rays meets.
-    pub fn slabs(&self) -> std::ops::Range<usize> {
+    pub fn slabs(&self) -> Range<usize> {
         let lanes = || self.lanes();
         let first = lanes().map(|lane| self.from[lane]).fold(f32::INFINITY, f32::min);
         let last = lanes().map(|lane| self.to[lane]).fold(0.0, f32::max);
@@ -110,7 +112,7 @@ pub struct Crossings<S: Lanes> {
     jitter: F32<S>,
 }
 
-/// What rays pass of one slab.
+/// What rays pass of one slab, or of a piece of it.
 pub struct Passage<S: Lanes> {
     /// Coordinate of the sample.
     pub place: F32<S>,
@@ -118,8 +120,16 @@ pub struct Passage<S: Lanes> {
     pub index: Vec3<S>,
     /// Length of the segment, in steps.
     pub ratio: F32<S>,
-    /// Lanes that meet the slab.
+    /// Lanes that meet it.
     pub lanes: Mask<S>,
+}
+
+impl<S: Lanes> Passage<S> {
+    /// The same in some of its lanes.
+    #[inline(always)]
+    pub fn within(self, lanes: Mask<S>) -> Self {
+        Self { lanes: self.lanes & lanes, ..self }
+    }
 }
 
 impl<S: Lanes> Crossings<S> {
@@ -145,10 +155,40 @@ impl<S: Lanes> Crossings<S> {
         xyz!(I => self.direction[I].mul_add(along, self.origin[I]))
     }
 
-    /// The lanes whose rays are in the field at coordinates.
+    /// A sample of one step at coordinates, in the lanes whose rays are in the field there.
     #[inline(always)]
-    pub fn holds(&self, place: F32<S>) -> Mask<S> {
-        place.simd_ge(self.from) & place.simd_lt(self.to)
+    pub fn sample(&self, s: S, place: F32<S>) -> Passage<S> {
+        let lanes = place.simd_ge(self.from) & place.simd_lt(self.to);
+        Passage { place, index: self.at(place), ratio: splat(s, 1.0), lanes }
+    }
+
+    /// The first border of the field behind coordinates, or what there is otherwise.
+    #[inline(always)]
+    pub fn border(&self, front: F32<S>, otherwise: F32<S>) -> F32<S> {
+        let mut border = otherwise;
+        for end in [self.from, self.to] {
+            let is_ahead = self.from.simd_lt(self.to) & end.simd_gt(front);
+            border = is_ahead.select(end.min(border), border);
+        }
+        border
+    }
+
+    /// How many slabs from slab k on, itself included, have no border of the field within.
+    #[inline(always)]
+    pub fn uncut(&self, s: S, k: usize) -> usize {
+        let border = self.border(splat(s, k as f32), splat(s, f32::INFINITY));
+        border.as_slice().iter().copied().fold(f32::INFINITY, f32::min) as usize - k
+    }
+
+    /// The same from slab k back.
+    #[inline(always)]
+    pub fn uncut_back(&self, s: S, k: usize) -> usize {
+        let (mut border, end) = (splat(s, 0.0), splat(s, (k + 1) as f32));
+        for at in [self.from, self.to] {
+            let is_behind = self.from.simd_lt(self.to) & at.simd_lt(end);
+            border = is_behind.select(at.max(border), border);
+        }
+        k + 1 - border.as_slice().iter().copied().fold(0.0, f32::max).ceil() as usize
     }
 
     /// Where rays come into the field from the eye, and their directions there; `backward` ones leave the slabs there.
@@ -167,10 +207,16 @@ impl<S: Lanes> Crossings<S> {
     /// What rays pass of slab k.
     #[inline(always)]
     pub fn passage(&self, s: S, k: usize) -> Passage<S> {
+        let front = splat(s, k as f32);
+        self.between(s, [front, front + 1.0])
+    }
+
+    /// What rays pass between two coordinates of a slab.
+    #[inline(always)]
+    pub fn between(&self, s: S, [front, back]: [F32<S>; 2]) -> Passage<S> {
         // Less of a slab is lost in the rounding of coordinates.
         const SHORTEST: f32 = 1e-6;
-        let front = splat(s, k as f32);
-        let (enter, leave) = (front.max(self.from), (front + 1.0).min(self.to));
+        let (enter, leave) = (front.max(self.from), back.min(self.to));
         let length = (leave - enter).max(splat(s, 0.0));
         let lanes = length.simd_gt(splat(s, SHORTEST));
         let place = self.jitter.mul_add(length, enter.min(self.to));
@@ -197,4 +243,11 @@ impl<S: Lanes> Crossings<S> {
         let least = clear.as_slice().iter().copied().fold(f32::INFINITY, f32::min);
         least as usize
     }
+}
+
+/// The slabs that any of some crossings meets.
+pub fn slabs_of(crossings: &[Crossing]) -> Range<usize> {
+    let slabs = || crossings.iter().map(Crossing::slabs).filter(|slabs| !slabs.is_empty());
+    let (first, end) = (slabs().map(|slabs| slabs.start).min(), slabs().map(|slabs| slabs.end).max());
+    first.unwrap_or(0)..end.unwrap_or(0)
 }

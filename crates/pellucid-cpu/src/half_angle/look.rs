@@ -7,9 +7,10 @@ use pellucid_plan::half_angle::Slabs;
 use pellucid_scene::{Overlap, Stage};
 
 use super::buffer::LightBuffer;
-use super::crossing::{Crossing, Crossings, Passage, UNASKED};
+use super::crossing::{Crossing, Crossings, UNASKED, slabs_of};
 use super::eye::{Attenuation, Eye};
-use super::optics::{SlabOptics, SlabSample};
+use super::optics::SlabOptics;
+use super::pieces::{Met, Share, end_of_piece, leap, leap_back, shares};
 use crate::chroma;
 use crate::element::Element;
 use crate::field::{Field, lane_position};
@@ -81,21 +82,17 @@ impl EyePacket {
     }
 }
 
-fn slabs_of(crossings: &[Crossing]) -> Range<usize> {
-    let slabs = || crossings.iter().map(Crossing::slabs).filter(|slabs| !slabs.is_empty());
-    let (first, end) = (slabs().map(|slabs| slabs.start).min(), slabs().map(|slabs| slabs.end).max());
-    first.unwrap_or(0)..end.unwrap_or(0)
-}
-
 /// What the eye looks at: one volume, or the layers of a picture.
 pub struct EyeLayers<'a, S: Lanes, F> {
     /// The layers.
     pub layers: Vec<Eye<'a, S, F>>,
+    /// What lies where they overlap.
+    pub overlap: Overlap,
     /// Opacity at which a ray ends.
     pub early_termination: f32,
 }
 
-/// What is seen of a slab.
+/// What is seen of a slab, or of a piece of it.
 struct SlabElement<S: Lanes> {
     /// Coordinates of the samples.
     place: F32<S>,
@@ -108,7 +105,7 @@ struct LayerRay<S: Lanes> {
     beam: Option<Beam<S>>,
 }
 
-impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
+impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
     /// Looks at a run of slabs, each lit by what has come to it.
     pub fn look(&self, packets: &mut [EyePacket], run: Range<usize>, lights: &[LightBuffer], tally: &mut Tally) {
         self.first().s.vectorize(
@@ -141,10 +138,11 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
         }
         let mut color = rgba!(C => load(s, &packet.color[C]));
         let [mut half, mut samples] = [load(s, &packet.half), load(s, &packet.samples)];
+        let met = self.met(lines.iter().map(|line| &line.rays));
         let end = run.end.min(packet.last);
         let mut k = packet.next.max(run.start);
         while k < end {
-            let leap = self.leap(&lines, k);
+            let leap = leap(&met, k);
             if leap > 0 {
                 tally.skipped += leap as u64;
                 k += leap;
@@ -172,7 +170,7 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
                         )
                     }
                     _ => {
-                        let (lanes, seen) = self.together(&lines, open, light);
+                        let (lanes, seen) = self.together((&met, &lines), [open, backward], light);
                         samples = lanes.select(samples + 1.0, samples);
                         seen
                     }
@@ -201,70 +199,82 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
         store::<S>(samples, &mut packet.samples);
     }
 
-    /// How many slabs from slab k on, itself included, certainly add nothing in any layer.
-    #[inline(always)]
-    fn leap(&self, lines: &[LayerRay<S>], k: usize) -> usize {
-        let mut least = usize::MAX;
-        for (eye, line) in self.layers.iter().zip(lines) {
-            let Some(skip) = eye.medium.skip else { return 0 };
-            // What rays have left behind lets them leap however far, and another layer is still ahead.
-            let leap = line.rays.leap(
-                eye.medium.s,
-                k,
-                #[inline(always)]
-                |index| skip.clear(eye.medium.s, index, &line.rays.inverse),
-            );
-            least = least.min(leap);
-        }
-        least
+    /// The layers, with rays in each.
+    fn met<'m>(&'m self, rays: impl Iterator<Item = &'m Crossings<S>>) -> Vec<Met<'m, 'a, S, F>> {
+        self.layers.iter().map(|eye| &eye.medium).zip(rays).collect()
     }
 
-    /// What all layers send to the eye from a slab, and the lanes that meet any of them: light comes to their samples
-    /// through all that is there, and emission is weighted by extinction.
+    /// What all layers send to the eye from a slab, piece by piece, and the lanes that meet any of them.
     #[inline(never)]
     fn together(
         &self,
-        lines: &[LayerRay<S>],
-        open: Mask<S>,
+        (met, lines): (&[Met<S, F>], &[LayerRay<S>]),
+        [open, backward]: [Mask<S>; 2],
         light: (usize, &LightBuffer),
     ) -> (Mask<S>, Option<SlabElement<S>>) {
-        let s = self.first().s;
+        let (s, chroma) = (self.first().s, self.first().chroma.as_ref());
         s.vectorize(
             #[inline(always)]
             || {
-                let one = splat(s, 1.0);
-                let (mut met, mut left, mut sights) = (all(s, false), one, Vec::with_capacity(lines.len()));
-                for (eye, line) in self.layers.iter().zip(lines) {
-                    let passage = line.rays.passage(s, light.0);
-                    let lanes = passage.lanes & open;
-                    met |= lanes;
-                    if !lanes.any_true() {
-                        continue;
+                let (mut is_met, mut place, mut seen) = (all(s, false), splat(s, 0.0), Element::nothing(s));
+                let (mut front, back) = (splat(s, light.0 as f32), splat(s, (light.0 + 1) as f32));
+                while front.simd_lt(back).any_true() {
+                    let end = end_of_piece(met, front, back);
+                    let (lanes, shares) = shares(
+                        s,
+                        self.overlap,
+                        met,
+                        #[inline(always)]
+                        |rays| rays.between(s, [front, end]).within(open),
+                        #[inline(always)]
+                        |_| splat(s, 1.0),
+                    );
+                    is_met |= lanes;
+                    if !shares.is_empty() {
+                        let piece = self.lit(&shares, lines, light);
+                        let Element { rgba, visible } = piece.element;
+                        // Rays that travel against the order of slabs meet the last pieces first.
+                        let nearer = rgba!(C => backward.select(rgba[C], seen.rgba[C]));
+                        let farther = rgba!(C => backward.select(seen.rgba[C], rgba[C]));
+                        seen.rgba = chroma::over(s, chroma, nearer, farther);
+                        seen.visible |= visible;
+                        place = visible.select(piece.place, place);
                     }
-                    if let Some(sight) = eye.see(&passage.index, lanes) {
-                        left = sight.visible.select(left * (one - sight.rgba[3]), left);
-                        sights.push((eye, line, passage, sight));
-                    }
+                    front = end;
                 }
-                let mut transmittance = None;
-                if sights.iter().any(|(.., sight)| sight.transmittance.is_some()) {
-                    let mut product = [one; 3];
-                    for (eye, .., sight) in &sights {
-                        let own = eye.half_transmittance(sight);
-                        product = xyz!(C => sight.visible.select(product[C] * own[C], product[C]));
-                    }
-                    transmittance = Some(product);
-                }
-                let (held, mut place) = (Attenuation { alpha: one - left, transmittance }, splat(s, 0.0));
-                let mut elements = Vec::with_capacity(sights.len());
-                for (eye, line, passage, sight) in &sights {
-                    elements.push(eye.lit(sight, &held, passage, light, line.beam.as_ref()));
-                    place = sight.visible.select(passage.place, place);
-                }
-                let element = merged(s, Overlap::Add, &elements);
-                (met, element.visible.any_true().then_some(SlabElement { place, element }))
+                (is_met, seen.visible.any_true().then_some(SlabElement { place, element: seen }))
             },
         )
+    }
+
+    /// What shares of layers send to the eye from a piece of a slab: light comes to their samples through all of them, and
+    /// emission is weighted by extinction.
+    #[inline(always)]
+    fn lit(&self, shares: &[Share<S>], lines: &[LayerRay<S>], light: (usize, &LightBuffer)) -> SlabElement<S> {
+        let s = self.first().s;
+        let one = splat(s, 1.0);
+        let mut left = one;
+        for Share { sample, .. } in shares {
+            left = sample.visible.select(left * (one - sample.rgba[3]), left);
+        }
+        let mut transmittance = None;
+        if shares.iter().any(|share| share.sample.transmittance.is_some()) {
+            let mut product = [one; 3];
+            for Share { layer, sample, .. } in shares {
+                let own = self.layers[*layer].half_transmittance(sample);
+                product = xyz!(C => sample.visible.select(product[C] * own[C], product[C]));
+            }
+            transmittance = Some(product);
+        }
+        let (held, mut place) = (Attenuation { alpha: one - left, transmittance }, splat(s, 0.0));
+        let mut elements = Vec::with_capacity(shares.len());
+        for Share { layer, passage, sample } in shares {
+            if sample.visible.any_true() {
+                elements.push(self.layers[*layer].lit(sample, &held, passage, light, lines[*layer].beam.as_ref()));
+                place = sample.visible.select(passage.place, place);
+            }
+        }
+        SlabElement { place, element: merged(s, Overlap::Add, &elements) }
     }
 
     /// What the rays of a packet found, where half of their opacity is reached, and the surface there; `worlds` are
@@ -314,9 +324,10 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
         if !met.any_true() {
             return Reached { met, normal: [zero; 3], places: vec![[zero; 3]; lines.len()] };
         }
+        let layers = self.met(lines.iter());
         let mut half = load(s, &packet.half);
         if (met & backward).any_true() {
-            half = backward.select(self.half_from_eye(&lines, packet.slabs(), met & backward), half);
+            half = backward.select(self.half_from_eye(&layers, packet.slabs(), met & backward), half);
         }
         // By rounding, opacity may reach one half on the one way and not on the other.
         let met = met & half.is_finite();
@@ -327,27 +338,34 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
         }
         let normal = match (self.layers.as_slice(), places.as_slice()) {
             ([eye], [place]) => eye.normals(*place, met),
-            _ => self.normals_of_densest(&lines, half, met),
+            _ => self.normals_of_densest(&layers, half, met),
         };
         Reached { met, normal, places }
     }
 
     /// Normals of the layer that has most opacity at coordinates.
     #[inline(never)]
-    fn normals_of_densest(&self, lines: &[Crossings<S>], half: F32<S>, met: Mask<S>) -> Vec3<S> {
+    fn normals_of_densest(&self, met: &[Met<S, F>], half: F32<S>, lanes: Mask<S>) -> Vec3<S> {
         let s = self.first().s;
         s.vectorize(
             #[inline(always)]
             || {
                 let (mut normal, mut most) = ([splat(s, 0.0); 3], splat(s, 0.0));
-                for (eye, rays) in self.layers.iter().zip(lines) {
-                    let (place, lanes) = (rays.at(half), met & rays.holds(half));
-                    let Some(SlabSample { rgba, visible, .. }) = eye.see(&place, lanes) else { continue };
-                    let more = visible & rgba[3].simd_gt(most);
+                let (_, shares) = shares(
+                    s,
+                    self.overlap,
+                    met,
+                    #[inline(always)]
+                    |rays| rays.sample(s, half).within(lanes),
+                    #[inline(always)]
+                    |_| splat(s, 1.0),
+                );
+                for Share { layer, passage, sample } in &shares {
+                    let more = sample.visible & sample.rgba[3].simd_gt(most);
                     if more.any_true() {
-                        let own = eye.normals(place, more);
+                        let own = self.layers[*layer].normals(passage.index, more);
                         normal = xyz!(I => more.select(own[I], normal[I]));
-                        most = more.select(rgba[3], most);
+                        most = more.select(sample.rgba[3], most);
                     }
                 }
                 normal
@@ -358,51 +376,57 @@ impl<S: Lanes, F: Field<S>> EyeLayers<'_, S, F> {
     /// Coordinates at which opacity first reaches one half, infinite if never: rays whose last slabs were seen first
     /// are followed once more.
     #[inline(always)]
-    fn half_from_eye(&self, lines: &[Crossings<S>], slabs: Range<usize>, lanes: Mask<S>) -> F32<S> {
-        let (s, one) = (self.first().s, splat(self.first().s, 1.0));
-        let (mut found, mut transmittance, mut open) = (splat(s, f32::INFINITY), one, lanes);
+    fn half_from_eye(&self, met: &[Met<S, F>], slabs: Range<usize>, lanes: Mask<S>) -> F32<S> {
+        let s = self.first().s;
+        let (mut found, mut transmittance, mut open) = (splat(s, f32::INFINITY), splat(s, 1.0), lanes);
         let mut end = slabs.end;
         while end > slabs.start && open.any_true() {
             let k = end - 1;
-            let leap = self.leap_back(lines, k);
+            let leap = leap_back(met, k);
             if leap > 0 {
                 end = end.saturating_sub(leap);
                 continue;
             }
             end = k;
-            for (eye, rays) in self.layers.iter().zip(lines) {
-                let Passage { place, index, ratio, lanes } = rays.passage(s, k);
-                let lanes = lanes & open;
-                if !lanes.any_true() {
-                    continue;
-                }
-                let Some(SlabSample { rgba, visible, .. }) = eye.see(&index, lanes) else { continue };
-                let alpha = opacity_over(s, rgba[3], ratio);
-                transmittance = visible.select(transmittance * (one - alpha), transmittance);
-                let here = visible & transmittance.simd_le(splat(s, 0.5));
-                found = here.select(place, found);
-                open &= !here;
-            }
+            let [left, place] = self.left_of(met, k, open);
+            transmittance *= left;
+            let here = open & transmittance.simd_le(splat(s, 0.5)) & place.is_finite();
+            found = here.select(place, found);
+            open &= !here;
         }
         found
     }
 
-    /// How many slabs from slab k back certainly add nothing in any layer.
-    #[inline(always)]
-    fn leap_back(&self, lines: &[Crossings<S>], k: usize) -> usize {
-        let mut least = usize::MAX;
-        for (eye, rays) in self.layers.iter().zip(lines) {
-            let Some(skip) = eye.medium.skip else { return 0 };
-            let back = xyz!(I => -rays.inverse[I]);
-            let leap = rays.leap_back(
-                eye.medium.s,
-                k,
-                #[inline(always)]
-                |index| skip.clear(eye.medium.s, index, &back),
-            );
-            least = least.min(leap);
-        }
-        least
+    /// What gets through a slab to the eye, and the coordinate of what is there; infinite where nothing is.
+    #[inline(never)]
+    fn left_of(&self, met: &[Met<S, F>], k: usize, lanes: Mask<S>) -> [F32<S>; 2] {
+        let s = self.first().s;
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let (mut left, mut place) = (splat(s, 1.0), splat(s, f32::INFINITY));
+                let (mut front, back) = (splat(s, k as f32), splat(s, (k + 1) as f32));
+                while front.simd_lt(back).any_true() {
+                    let end = end_of_piece(met, front, back);
+                    let (_, shares) = shares(
+                        s,
+                        self.overlap,
+                        met,
+                        #[inline(always)]
+                        |rays| rays.between(s, [front, end]).within(lanes),
+                        #[inline(always)]
+                        |_| splat(s, 1.0),
+                    );
+                    for Share { passage, sample, .. } in &shares {
+                        let alpha = opacity_over(s, sample.rgba[3], passage.ratio);
+                        left = sample.visible.select(left * (splat(s, 1.0) - alpha), left);
+                        place = sample.visible.select(passage.place, place);
+                    }
+                    front = end;
+                }
+                [left, place]
+            },
+        )
     }
 }
 

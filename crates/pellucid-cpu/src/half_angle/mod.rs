@@ -11,6 +11,7 @@
 //! at hand, and threads meet once a slab.
 
 mod advance;
+mod band;
 mod blur;
 mod buffer;
 mod crossing;
@@ -20,6 +21,7 @@ mod lengths;
 mod look;
 mod matter;
 mod optics;
+mod pieces;
 mod step;
 mod sweep;
 mod transport;
@@ -143,7 +145,8 @@ impl<S: Lanes> EyeSweep<'_, S> {
         let stage = layers[0].stage;
         let each = || (0..layers.len()).zip(fields);
         let eyes = each().map(|(number, field)| drawing.eye(s, number, field)).collect();
-        let eye = EyeLayers { layers: eyes, early_termination: stage.quality.early_termination };
+        let eye =
+            EyeLayers { layers: eyes, overlap: stage.overlap, early_termination: stage.quality.early_termination };
         let cancelled = || control.is_cancelled();
         let matter = each().map(|(number, field)| drawing.matter(s, number, field)).collect();
         let mut light = Sweep::new(layers, settings, geometry, matter, Seen::InMatter, cancelled)?;
@@ -237,8 +240,7 @@ impl Drawing<'_> {
             frame: self.geometry.frame.on(prepared.grid()),
             ways: self.geometry.ways,
             correction: settings.correction,
-            into_cone: (settings.in_scatter != InScatter::Indirect)
-                .then(|| into_cone(self.layers.iter().map(|layer| &layer.volume.scattering), settings)),
+            into_cone: (settings.in_scatter != InScatter::Indirect).then(|| into_cone(stage, settings)),
             scales: [settings.direct, settings.indirect],
         }
     }

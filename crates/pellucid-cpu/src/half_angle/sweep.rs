@@ -2,12 +2,14 @@
 
 use std::ops::Range;
 
+use pellucid_field::Grid;
 use pellucid_plan::half_angle::{Geometry, Ways, into_cone, taps};
-use pellucid_scene::{BlurScaling, HalfAngle, InScatter, Region};
+use pellucid_scene::{BlurScaling, HalfAngle, InScatter, Overlap, Region};
 use rayon::prelude::*;
 
+use super::band::{BAND, Band, TILE, run_length};
 use super::buffer::{LightBuffer, Shape};
-use super::matter::{BAND, Band, Matter, TILE, run_length};
+use super::matter::{Matter, look_up};
 use super::step::{Radius, Step};
 use super::work::{Seen, around, needed};
 use crate::RenderError;
@@ -22,8 +24,10 @@ pub struct Sweep<'a, S, F> {
     settings: &'a HalfAngle,
     /// What slabs hold, layer by layer.
     layers: Vec<Matter<'a, S, F>>,
-    /// The rows of the picture and, if there are several layers, what each of them holds there.
-    bands: Vec<(Band, Vec<Band>)>,
+    /// What lies where they overlap.
+    overlap: Overlap,
+    /// The rows of the picture.
+    bands: Vec<Band>,
     /// In front of every slab of a run, and behind the last.
     buffers: Vec<LightBuffer>,
     /// Slabs of the run that was passed last.
@@ -74,21 +78,20 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
         let run = run_length([shape.width, shape.height]);
         let channels = LightBuffer::channels_of(indirect);
         let emitter = Emitter::of_light(frame, step, InstructionSet::of(s));
-        let own: Vec<Solid> = prepared.iter().map(Prepared::solid).collect();
-        // Rays of all layers go through the box around them.
-        let all = (prepared.len() > 1).then(|| Solid::new(grid, &Region::default()));
+        let mut grids: Vec<Grid> = prepared.iter().map(|layer| *layer.grid()).collect();
+        let mut solids: Vec<Solid> = prepared.iter().map(Prepared::solid).collect();
+        if prepared.len() > 1 {
+            // Rays of all layers go through the box around them.
+            grids.insert(0, *grid);
+            solids.insert(0, Solid::new(grid, &Region::default()));
+        }
         let rows = |top: usize| BAND.min(shape.height - top);
-        let bands: Vec<(Band, Vec<Band>)> = (0..shape.height.div_ceil(BAND))
+        let bands: Vec<Band> = (0..shape.height.div_ceil(BAND))
             .into_par_iter()
             .map(|band| {
                 stop()?;
                 let place = [band * BAND, rows(band * BAND), shape.width];
-                let band = |grid, solid| Band::new(s, (grid, solid, step), (&emitter, slabs), place, [run, channels]);
-                let each = || prepared.iter().zip(&own).map(|(layer, solid)| band(layer.grid(), solid));
-                Ok(match &all {
-                    Some(all) => (band(grid, all), each().collect()),
-                    None => (band(grid, &own[0]), Vec::new()),
-                })
+                Ok(Band::new(s, (&grids, &solids, step), (&emitter, slabs), place, [run, channels]))
             })
             .collect::<Result<_, RenderError>>()?;
         let gated = matches!(settings.in_scatter, InScatter::DirectFromMatter | InScatter::BothFromMatter);
@@ -107,13 +110,14 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
             passed: 0,
             buffers: buffers.collect::<Result<_, _>>()?,
             layers,
+            overlap: prepared[0].stage.overlap,
             presence: (gated && indirect.is_some()).then(|| vec![0.0; shape.len()]),
             touched: vec![false; tiles * bands.len()],
             bands,
             needed,
             radius,
             reach,
-            phase: into_cone(prepared.iter().map(|layer| &layer.volume.scattering), settings),
+            phase: into_cone(prepared[0].stage, settings),
         })
     }
 
@@ -153,19 +157,10 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
         // What is behind the last run is in front of this one.
         self.buffers.swap(0, self.passed);
         self.passed = run.len();
-        let Self { layers, bands, .. } = self;
-        bands.par_iter_mut().try_for_each(|(band, each)| {
+        let Self { layers, overlap, bands, .. } = self;
+        bands.par_iter_mut().try_for_each(|band| {
             stop()?;
-            match layers.as_slice() {
-                [matter] => matter.look_up(band, run.clone()),
-                layers => {
-                    band.clear();
-                    for (matter, own) in layers.iter().zip(each) {
-                        matter.look_up(own, run.clone());
-                        band.join(own);
-                    }
-                }
-            }
+            look_up(layers, *overlap, band, run.clone());
             Ok::<_, RenderError>(())
         })?;
         for slab in run.clone() {
@@ -204,8 +199,8 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
                     let before = touched[band * tiles + tile];
                     let asked = !cancelled()
                         && slab <= needed[band * tiles + tile]
-                        && (everywhere || bands[band].0.holds(number, tile) || near[band * tiles + tile]);
-                    (asked && step.pass(light, rows, &bands[band].0, [band * BAND, tile])) || before
+                        && (everywhere || bands[band].holds(number, tile) || near[band * tiles + tile]);
+                    (asked && step.pass(light, rows, &bands[band], [band * BAND, tile])) || before
                 };
                 (0..tiles).map(pass).collect()
             })
@@ -225,9 +220,9 @@ fn bands_of<'a>(
 }
 
 /// Marks where a slab holds something with 1, else 0; outside of the picture there is nothing.
-fn mark(bands: &[(Band, Vec<Band>)], presence: &mut [f32], shape: &Shape, number: usize) {
+fn mark(bands: &[Band], presence: &mut [f32], shape: &Shape, number: usize) {
     presence.fill(0.0);
-    bands_of(presence, shape, 1).zip(bands).for_each(|(rows, (band, _))| {
+    bands_of(presence, shape, 1).zip(bands).for_each(|(rows, band)| {
         for (row, texels) in rows.chunks_exact_mut(shape.stride).enumerate() {
             let opacities = band.opacities(number, row, &(0..shape.width));
             let direct = opacities.chunks_exact(opacities.len() / shape.width).map(|texel| texel[0]);

@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use pellucid_plan::BlockContent;
 use pellucid_plan::half_angle::Geometry;
 
-use super::matter::{BAND, TILE};
+use super::band::{BAND, TILE};
 use crate::prepare::Prepared;
 
 /// Where light is looked at.

@@ -25,6 +25,27 @@ pub fn merged<S: Lanes>(s: S, overlap: Overlap, elements: &[Element<S>]) -> Elem
     }
 }
 
+/// Leaves of elements over the same length those that hold light back, in the colours in which they are seen: extinctions
+/// of what is left add.
+#[inline(always)]
+pub fn settle<S: Lanes>(s: S, overlap: Overlap, elements: &mut [Element<S>]) {
+    match overlap {
+        Overlap::Add => {}
+        Overlap::Maximum => leave_best(elements, s, larger::<S>),
+        Overlap::Priority => leave_best(
+            elements,
+            s,
+            #[inline(always)]
+            |_, _| all(s, false),
+        ),
+        Overlap::Fused { opacity, .. } => {
+            let fused = merged(s, overlap, elements);
+            elements.fill(Element::nothing(s));
+            elements[opacity] = fused;
+        }
+    }
+}
+
 /// Extinctions add, and so does emission, weighted by them: `C = A sum(tau c) / sum(tau)` with `A = 1 - e^-sum(tau)`.
 #[inline(always)]
 fn added<S: Lanes>(s: S, elements: &[Element<S>]) -> Element<S> {
@@ -68,6 +89,22 @@ fn chosen<S: Lanes>(
         best.visible |= *visible;
     }
     best
+}
+
+/// Leaves of the visible elements the one that [`chosen`] gives.
+#[inline(always)]
+fn leave_best<S: Lanes>(elements: &mut [Element<S>], s: S, better: impl Fn(&[F32<S>; 4], &[F32<S>; 4]) -> Mask<S>) {
+    let mut best = Element::nothing(s);
+    for k in 0..elements.len() {
+        let Element { rgba, visible } = elements[k];
+        let takes = visible & (!best.visible | better(&rgba, &best.rgba));
+        best.rgba = rgba!(C => takes.select(rgba[C], best.rgba[C]));
+        best.visible |= visible;
+        for other in &mut elements[..k] {
+            other.visible &= !takes;
+        }
+        elements[k].visible = takes;
+    }
 }
 
 /// More opacity or, where that is the same, the brighter colour: a choice that no order decides.

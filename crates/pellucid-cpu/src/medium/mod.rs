@@ -17,7 +17,7 @@ pub use choice::{Shadowing, WithMedium};
 pub use crossing::{Crossed, Level, crosses};
 pub use emission::Emission;
 pub use many::Many;
-pub use merge::merged;
+pub use merge::{merged, settle};
 pub use one_grid::{Integrals, OneGrid, Segmented};
 pub use run::{Piece, Run, Span};
 pub use values::Values;

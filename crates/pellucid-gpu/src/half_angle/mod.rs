@@ -186,7 +186,7 @@ impl<'a> HalfAngleSlicer<'a> {
         let size =
             [0, 1].map(|axis| geometries.iter().map(|geometry| geometry.frame.size[axis] as u32).max().unwrap_or(1));
         let has_kernels = volumes.variants().any(|variant| variant.kernels);
-        let cone = into_cone(volumes.each().iter().map(|volume| &volume.volume.scattering), settings);
+        let cone = into_cone(stage, settings);
         let most = if has_kernels { MOST_RUN_OF_KERNELS } else { MOST_RUN };
         let travelling = |((_, light), geometry): (&(usize, ResolvedLight), Geometry)| {
             let is_blurred = settings.indirect > 0.0 && taps::count(settings) > 0;

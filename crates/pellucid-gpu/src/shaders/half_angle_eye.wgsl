@@ -1,9 +1,9 @@
 // The eye looks at a run of slabs in the light that has come to each (Eq. 6.9, 6.10, K-05).
+#import pellucid::constants::load_constants
 #import pellucid::frame::{frame, bounds}
 #import pellucid::line::{Lines, clear_slabs, lines_of}
 #import pellucid::look::look
 #import pellucid::march::{begin_turn, states, HIT}
-#import pellucid::slabs::load_constants
 #import pellucid::table::over
 
 // The first slab from one on whose sample may contribute, or the end.

@@ -1,8 +1,9 @@
 // Light passes a slab (Eq. 6.6, 6.7, K-06, K-09): a texel loses what its ray crosses, and gathers what is scattered
 // into its cone. The pass: the slab; the first tap of the blur; from which texel on to which light is passed, as it
 // is lost in there and matters to anything.
+#import pellucid::constants::load_constants
 #import pellucid::frame::bounds
-#import pellucid::slabs::{held_back, load_constants}
+#import pellucid::slabs::held_back
 #import pellucid::sweep::{light_ray, loss, loss_at, in_picture, sweep}
 #ifdef GATED
 #import pellucid::sweep::between

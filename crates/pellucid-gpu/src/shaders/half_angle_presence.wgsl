@@ -1,6 +1,7 @@
 // Marks where a slab holds something, for light that comes from matter alone (6.3-7 c, d).
+#import pellucid::constants::load_constants
 #import pellucid::frame::bounds
-#import pellucid::slabs::{held_back, load_constants}
+#import pellucid::slabs::held_back
 #import pellucid::sweep::sweep
 
 @group(0) @binding(22) var held: texture_storage_2d<r32float, write>;

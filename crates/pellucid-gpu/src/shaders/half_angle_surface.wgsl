@@ -1,8 +1,8 @@
 // What a light has brought comes to the rays' colours, and where half of their opacity is reached: looked for once
 // more, from the eye, which may have seen the last slabs first.
+#import pellucid::constants::load_constants
 #import pellucid::line::{lines_of, opacity_in, surface_at}
 #import pellucid::march::{begin_turn, end_turn, NOWHERE}
-#import pellucid::slabs::load_constants
 #import pellucid::sweep::sweep
 #import pellucid::table::{coverage, each_opacity}
 

@@ -1,7 +1,7 @@
 // The light at the points of a light volume that lie in a run of slabs (6.1-2): between the layers in front of and
 // behind a point.
+#import pellucid::constants::load_constants
 #import pellucid::frame::{bounds, frame}
-#import pellucid::slabs::load_constants
 #import pellucid::sweep::{in_picture, layer_of, loss, sweep}
 
 @group(0) @binding(23) var points: texture_storage_3d<r32float, write>;

@@ -12,7 +12,9 @@ use super::instances::{is_shared, text_of};
 use super::pass::{
     APART, ISOSURFACES, LAYERS, MERGE, OF_ALL, OF_EACH, OF_ONE, SHARED, SLICE_LAYERS, SLICE_LAYERS_PIXELS, Wgsl,
 };
-use super::written::{across, count, each, each_hit, each_path, every, every_line, every_slab_light, slabs};
+use super::written::{
+    across, constants, count, each, each_hit, each_path, every, every_line, every_slab, every_slab_light,
+};
 use super::{Constants, Pass, Traversal, Variant, defines};
 use crate::GpuError;
 
@@ -94,7 +96,7 @@ fn entry_of_several(variant: &Variant) -> (&'static str, Cow<'static, str>) {
 /// The files of one volume, with one that the pass imports under a name that several files go by.
 fn of_one(mode: Option<&Wgsl>) -> Files {
     let own = |file: &Wgsl| (file.name, file.text.to_owned());
-    let asked = [("each_path", each_path(0)), ("slabs", slabs(&["pellucid".to_owned()]))];
+    let asked = [("each_path", each_path(0)), ("constants", constants(&["pellucid".to_owned()]))];
     // What only layers import has to be there all the same.
     let none = std::iter::once(("across", across(0)));
     none.chain(SHARED.iter().chain(mode).map(own)).chain(asked).chain(OF_ONE.iter().map(own)).collect()
@@ -114,8 +116,9 @@ fn of_layers(layers: usize) -> Files {
         ("each_path", each_path(layers)),
         ("every", every(layers)),
         ("every_line", every_line(layers)),
+        ("every_slab", every_slab(layers)),
         ("every_slab_light", every_slab_light(layers)),
-        ("slabs", slabs(&roots)),
+        ("constants", constants(&roots)),
     ];
     let last = OF_ALL.map(|file| (file.name, file.text.to_owned()));
     std::iter::once(("count", count(layers))).chain(files).chain(asked).chain(last).collect()

@@ -4,13 +4,14 @@
 
 #import pellucid::of0::frame::bounds
 #import pellucid::of0::sweep::{layer_of, loss, sweep}
-#import pellucid::of0::table::opacity_over
+#import pellucid::of0::table::{opacity_over, over}
 #import pellucid::count::COUNT
-#import pellucid::every_line::all_matter
+#import pellucid::every_slab::all_matter
 #import pellucid::every_slab_light::{all_passing, all_seen, all_steps_inside, all_texels}
-#import pellucid::line::{Lines, passages_of}
+#import pellucid::line::{Lines, passages_between, piece_end}
 #import pellucid::merge::added
 #import pellucid::passage::{Look, Matter, Passage, Shares}
+#import pellucid::slab_pieces::settled
 #import pellucid::way::Way
 
 // What of light gets through to a sample of each volume: of matter of so many steps, what holds back light in any.
@@ -40,8 +41,25 @@ fn all_shares(passages: array<Passage, COUNT>, matter: array<Matter, COUNT>, sla
 }
 
 fn look(lines: ptr<function, Lines>, slab: u32, is_open: bool) -> Look {
-    let passages = passages_of(lines, f32(slab));
-    let matter = all_matter(passages);
+    var found = Look(vec4<f32>(0.0), false, false);
+    var begin = f32(slab);
+    while begin < f32(slab) + 1.0 {
+        let ends = vec2<f32>(begin, piece_end(lines, begin, f32(slab)));
+        begin = ends.y;
+        let piece = look_between(lines, slab, ends, is_open);
+        found.is_met |= piece.is_met;
+        found.is_seen |= piece.is_seen;
+        // Rays that travel against the order of slabs meet the last pieces first.
+        let nearer = select(found.color, piece.color, (*lines).is_backward);
+        let farther = select(piece.color, found.color, (*lines).is_backward);
+        found.color = over(nearer, farther);
+    }
+    return found;
+}
+
+fn look_between(lines: ptr<function, Lines>, slab: u32, ends: vec2<f32>, is_open: bool) -> Look {
+    let passages = passages_between(lines, ends);
+    let matter = settled(all_matter(passages));
     var found = Look(vec4<f32>(0.0), false, false);
     for (var i = 0u; i < COUNT; i += 1u) {
         found.is_met |= is_open && passages[i].ratio > 0.0;

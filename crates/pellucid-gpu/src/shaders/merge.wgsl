@@ -63,16 +63,21 @@ fn is_more(own: vec4<f32>, other: vec4<f32>) -> bool {
 }
 
 // Of the visible ones the first, or the one with the largest opacity.
-fn chosen(elements: ptr<function, array<vec4<f32>, COUNT>>) -> vec4<f32> {
-    var best = vec4<f32>(0.0);
-    for (var i = 0u; i < COUNT; i += 1u) {
-        let own = (*elements)[i];
-        let is_taken = best.a > 0.0 && frame.overlap.x == PRIORITY;
-        if own.a > 0.0 && !is_taken && is_more(own, best) {
-            best = own;
+fn best(elements: ptr<function, array<vec4<f32>, COUNT>>) -> u32 {
+    var found = 0u;
+    for (var i = 1u; i < COUNT; i += 1u) {
+        let other = (*elements)[found];
+        let is_taken = other.a > 0.0 && frame.overlap.x == PRIORITY;
+        if (*elements)[i].a > 0.0 && !is_taken && is_more((*elements)[i], other) {
+            found = i;
         }
     }
-    return best;
+    return found;
+}
+
+fn chosen(elements: ptr<function, array<vec4<f32>, COUNT>>) -> vec4<f32> {
+    let own = (*elements)[best(elements)];
+    return select(vec4<f32>(0.0), own, own.a > 0.0);
 }
 
 // Light of one volume, whose colours are white, times the opaque colours of the other, where that has any.
@@ -92,6 +97,24 @@ fn merged(elements: ptr<function, array<vec4<f32>, COUNT>>) -> vec4<f32> {
         case FUSED: { return fused(elements); }
         case SUM: { return sum(elements); }
         default: { return chosen(elements); }
+    }
+}
+
+// Leaves of elements over the same length those that hold light back, in the colours in which they are seen: extinctions
+// of what is left add.
+fn settle(elements: ptr<function, array<vec4<f32>, COUNT>>) {
+    if frame.overlap.x == ADD {
+        return;
+    }
+    var left = best(elements);
+    if frame.overlap.x == FUSED {
+        left = frame.overlap.z;
+        (*elements)[left] = fused(elements);
+    }
+    for (var i = 0u; i < COUNT; i += 1u) {
+        if i != left {
+            (*elements)[i] = vec4<f32>(0.0);
+        }
     }
 }
 

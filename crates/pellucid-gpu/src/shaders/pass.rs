@@ -63,19 +63,21 @@ pub(super) const SHARED: &[Wgsl] = &[
     wgsl!("sky"),
 ];
 
-/// What the eye is told of slabs by one volume; several tell it together.
-pub(super) const OF_ONE: [Wgsl; 2] = [wgsl!("line_of_one"), wgsl!("look_of_one")];
+/// What light and the eye are told of slabs by one volume; several tell it together.
+pub(super) const OF_ONE: [Wgsl; 3] = [wgsl!("slabs_of_one"), wgsl!("line_of_one"), wgsl!("look_of_one")];
 
 /// What several volumes in one pass have besides: what each of them is asked.
 pub(super) const OF_EACH: [Wgsl; 3] = [wgsl!("layer"), wgsl!("hits"), wgsl!("part")];
 
 /// What they are together; each only from those above it.
-pub(super) const OF_ALL: [Wgsl; 7] = [
+pub(super) const OF_ALL: [Wgsl; 9] = [
     MERGE,
     wgsl!("ways"),
     wgsl!("slice_nodes"),
     wgsl!("together"),
     wgsl!("sights"),
+    wgsl!("slab_pieces"),
+    wgsl!("slabs_of_several"),
     wgsl!("line_of_several"),
     wgsl!("look_of_several"),
 ];

@@ -27,7 +27,7 @@ struct Line {
     is_backward: bool,
 }
 
-// What a ray passes of a slab.
+// What a ray passes of a slab, or of a piece of it.
 struct Passage {
     // Coordinate of the sample, its position in voxels, and the segment's length in steps; 0 if there is none.
     place: f32,
@@ -57,8 +57,13 @@ struct Look {
 }
 
 fn passage_of(crossing: Crossing, slab: f32) -> Passage {
-    let enter = max(slab, crossing.ends.x);
-    let leave = min(slab + 1.0, crossing.ends.y);
+    return passage_between(crossing, vec2<f32>(slab, slab + 1.0));
+}
+
+// What it passes between two coordinates of a slab.
+fn passage_between(crossing: Crossing, ends: vec2<f32>) -> Passage {
+    let enter = max(ends.x, crossing.ends.x);
+    let leave = min(ends.y, crossing.ends.y);
     let length = max(leave - enter, 0.0);
     let place = min(enter, crossing.ends.y) + crossing.jitter * length;
     let position = crossing.origin + crossing.direction * place;
@@ -71,7 +76,7 @@ fn steps_to(line: Line, place: f32) -> f32 {
     return select(place - ends.x, ends.y - place, line.is_backward) * line.crossing.stretch;
 }
 
-// What two volumes hold back of light that passes both.
+// What is held back of light that passes both of two.
 fn joined(a: Shares, b: Shares) -> Shares {
     return Shares(a.direct + (b.direct - a.direct * b.direct), a.indirect + (b.indirect - a.indirect * b.indirect));
 }

@@ -2,8 +2,7 @@
 #define_import_path pellucid::slab
 
 #import pellucid::field::field_value
-#import pellucid::passage::{Matter, Passage, Shares, passage_of}
-#import pellucid::sweep::light_ray
+#import pellucid::passage::{Matter, Passage, Shares}
 #import pellucid::table::{classify, each_opacity, opacity_over}
 #import pellucid::vary::varied
 #ifdef SKIP
@@ -28,10 +27,8 @@ fn matter_of(passage: Passage) -> Matter {
     return matter;
 }
 
-// What of light through a texel's middle a slab holds back.
-fn held_back(texel: vec2<u32>, slab: f32) -> Shares {
-    let passage = passage_of(light_ray(texel), slab);
-    let matter = matter_of(passage);
+// What matter holds back of light that passes it.
+fn held_by(passage: Passage, matter: Matter) -> Shares {
     let alpha = opacity_over(matter.color.a, passage.ratio);
     var indirect = each_opacity(alpha);
 #ifdef TRANSPORT

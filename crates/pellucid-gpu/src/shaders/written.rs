@@ -108,16 +108,26 @@ fn choices(layers: usize, module: &str, functions: &[(&str, &str, &str)]) -> Str
     (0..layers.max(1)).map(import).chain(functions.iter().map(function)).collect()
 }
 
-/// What tells of the eye's rays, and of what lies in slabs there, in all of so many layers.
+/// What tells of the eye's rays in all of so many layers.
 pub fn every_line(layers: usize) -> String {
     let functions = [
         ("layer", "way_of", "all_ways", "at: vec2<f32>", "Way"),
         ("eye", "line_along", "all_lines", "each way: Way, each length: f32, jitter: f32", "Line"),
         ("eye", "clear_slabs", "all_clear", "each line: Line, slab: f32", "f32"),
-        ("slab", "matter_of", "all_matter", "each passage: Passage", "Matter"),
     ];
-    let imports = "#import pellucid::passage::{Line, Matter, Passage}\n#import pellucid::way::Way\n";
+    let imports = "#import pellucid::passage::Line\n#import pellucid::way::Way\n";
     format!("#define_import_path pellucid::every_line\n{imports}{}", all(layers, &functions))
+}
+
+/// What tells of rays of light, and of what lies in slabs, in all of so many layers.
+pub fn every_slab(layers: usize) -> String {
+    let functions = [
+        ("sweep", "light_ray", "all_rays", "texel: vec2<u32>", "Crossing"),
+        ("slab", "matter_of", "all_matter", "each passage: Passage", "Matter"),
+        ("slab", "held_by", "all_held", "each passage: Passage, each matter: Matter", "Shares"),
+    ];
+    let imports = "#import pellucid::passage::{Crossing, Matter, Passage, Shares}\n";
+    format!("#define_import_path pellucid::every_slab\n{imports}{}", all(layers, &functions))
 }
 
 /// What tells of the light that all of so many layers send to the eye from a slab.
@@ -163,20 +173,14 @@ fn all(layers: usize, functions: &[(&str, &str, &str, &str, &str)]) -> String {
     format!("#import pellucid::count::COUNT\n{imports}{}", functions.iter().map(function).collect::<String>())
 }
 
-/// What so many layers hold back of light in slabs; `roots` are their modules' own.
-pub fn slabs(roots: &[String]) -> String {
-    let import = |(k, root): (usize, &String)| {
-        format!("#import {root}::sweep as sweep_of{k}\n#import {root}::slab as slab_of{k}\n")
-    };
+/// What loads the constants of passes through slabs; `roots` are the modules' own of all layers.
+pub fn constants(roots: &[String]) -> String {
+    let import = |(k, root): (usize, &String)| format!("#import {root}::sweep as sweep_of{k}\n");
     let imports: String = roots.iter().enumerate().map(import).collect();
     let loads: String = (0..roots.len()).map(|k| format!("    sweep_of{k}::load_sweep();\n")).collect();
-    let call = |k: usize| format!("slab_of{k}::held_back(texel, slab)");
-    let all = (1..roots.len()).fold(call(0), |all, k| format!("joined({all}, {})", call(k)));
     format!(
-        "#define_import_path pellucid::slabs\n#import {}::frame as frame_of0\n{imports}\
-         #import pellucid::passage::{{Shares, joined}}\n\
-         fn load_constants() {{\n    frame_of0::load_bounds();\n{loads}}}\n\
-         fn held_back(texel: vec2<u32>, slab: f32) -> Shares {{\n    return {all};\n}}\n",
+        "#define_import_path pellucid::constants\n#import {}::frame as frame_of0\n{imports}\
+         fn load_constants() {{\n    frame_of0::load_bounds();\n{loads}}}\n",
         roots[0]
     )
 }

@@ -10,6 +10,8 @@ use pellucid_field::{FieldError, Grid};
 use pellucid_optics::{Light, LightKind, Material, OpticsError, ResolvedLight, Scattering};
 use pellucid_scene::{HalfAngle, Stage, StageVolume};
 
+use crate::merge_order;
+
 pub use light_frame::LightFrame;
 pub use points::LightPoints;
 pub use slabs::{Slabs, along_light, slice_axis};
@@ -156,16 +158,18 @@ impl Geometry {
 }
 
 /// Weights of direct light that is scattered into the cone, over those of light that is thrown straight on (Eq. 6.8): of
-/// several volumes, in the order in which they are merged, the mean.
-pub fn into_cone<'s>(each: impl ExactSizeIterator<Item = &'s Scattering>, settings: &HalfAngle) -> [f32; 3] {
+/// several volumes that hold light back the mean.
+pub fn into_cone(stage: &Stage, settings: &HalfAngle) -> [f32; 3] {
     let cosine = (settings.blur_angle.to_radians() / 2.0).cos() as f32;
-    let (mut sum, count) = ([0.0; 3], each.len() as f32);
-    for Scattering { phase, phase_normalization, .. } in each {
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for number in merge_order(stage).into_iter().filter(|&number| stage.overlap.holds_back(number)) {
+        let Scattering { phase, phase_normalization, .. } = &stage.volumes[number].scattering;
         let g = phase.anisotropy().unwrap_or(0.0);
         let [cone, forward] = [cosine, 1.0].map(|mu| phase.weight(*phase_normalization, g, mu));
         for channel in 0..3 {
             sum[channel] += if forward[channel] > 0.0 { cone[channel] / forward[channel] } else { 1.0 };
         }
+        count += 1.0;
     }
     sum.map(|weights| weights / count)
 }

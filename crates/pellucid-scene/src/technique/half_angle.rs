@@ -140,7 +140,7 @@ impl Settings for HalfAngle {
             extinction_color: true,
             shadows: false,
             several_volumes: true,
-            overlap: false,
+            overlap: true,
             data_colors: true,
             adaptive: false,
             jitter: true,

@@ -15,7 +15,7 @@ pub struct Needs {
     pub shadows: bool,
     /// Whether several volumes are drawn in one picture.
     pub several_volumes: bool,
-    /// Whether a rule of overlap decides anything: rays that meet surfaces, paths, and light on its way meet all volumes.
+    /// Whether a rule of overlap decides anything: rays that meet surfaces, and paths, meet all volumes.
     pub overlap: bool,
     /// Whether samples may have colours of their own, those of the data.
     pub data_colors: bool,

@@ -78,14 +78,153 @@ fn two_halves_are_lit_as_one_whole() {
     }
 }
 
+/// The same of matter that a rule chooses where boxes overlap, whose borders cut slabs anywhere.
+#[test]
+fn half_angle_slices_meet_what_rules_choose() {
+    let opacities = [0.12, 0.3];
+    let larger = |[a, b]: [f64; 2]| if a > b { [a, 0.0] } else { [0.0, b] };
+    let first = |[a, b]: [f64; 2]| if a > 0.0 { [a, 0.0] } else { [0.0, b] };
+    let second = |[a, b]: [f64; 2]| if b > 0.0 { [0.0, b] } else { [a, 0.0] };
+    type Rule = fn([f64; 2]) -> [f64; 2];
+    let cases: [(Overlap, bool, Rule); 5] = [
+        (Overlap::Maximum, false, larger),
+        (Overlap::Maximum, true, larger),
+        (Overlap::Priority, false, first),
+        (Overlap::Priority, true, second),
+        (Overlap::Fused { color: 1, opacity: 0 }, false, |[a, _]| [a, 0.0]),
+    ];
+    for (overlap, swapped, rule) in cases {
+        for direction in [[-0.3, 0.4, -1.0], [0.2, -1.0, 0.1]] {
+            let mut layers = boxes(opacities);
+            if swapped {
+                layers.reverse();
+            }
+            let chosen = stage(&layers, |scene| {
+                by_half_angles(scene);
+                scene.overlap = overlap;
+                scene.lighting.lights = vec![Light::new(LightKind::Directional { direction })];
+            });
+            // What is fused has lost the colours that boxes are told by.
+            let plain = stage(&layers, |_| ());
+            let (frame, mut both) = (render(&chosen), 0);
+            for (pixel, found) in frame.color.iter().enumerate() {
+                let met = intervals(&plain, pixel);
+                let exact = closed_form(met, kappas(opacities), rule)[3];
+                both += usize::from(met.iter().all(Option::is_some));
+                let apart = (f64::from(found[3]) - exact).abs();
+                assert!(apart < 1e-4, "{overlap:?}, pixel {pixel}: {found:?}, exact {exact}");
+            }
+            assert!(both > 50, "{overlap:?}: only {both} rays meet both boxes");
+        }
+    }
+}
+
 #[test]
 fn half_angle_light_knows_no_order_of_the_list() {
-    let layers = three();
-    let draw = |layers: &[(Arc<Volume>, TransferFunction)]| render(&stage(layers, by_half_angles));
-    let frame = draw(&layers);
-    assert!(frame.color.iter().any(|pixel| pixel[3] > 0.3));
-    let [a, b, c] = <[_; 3]>::try_from(layers).unwrap();
-    same(&draw(&[c, a, b]), &frame, "another order");
+    for overlap in [Overlap::Add, Overlap::Maximum] {
+        let layers = three();
+        let draw = |layers: &[(Arc<Volume>, TransferFunction)], skipping| {
+            render(&stage(layers, |scene| {
+                by_half_angles(scene);
+                (scene.overlap, scene.quality.empty_space_skipping) = (overlap, skipping);
+            }))
+        };
+        let frame = draw(&layers, true);
+        assert!(frame.color.iter().any(|pixel| pixel[3] > 0.3));
+        same(&draw(&layers, false), &frame, &format!("{overlap:?} without skipping"));
+        let [a, b, c] = <[_; 3]>::try_from(layers).unwrap();
+        same(&draw(&[c, a, b], true), &frame, &format!("another order of {overlap:?}"));
+    }
+}
+
+/// A volume twice in the same place is that volume once, where one of them is chosen.
+#[test]
+fn half_angle_light_meets_a_volume_once_where_rules_choose() {
+    let [(volume, tf), _] = balls();
+    for overlap in [Overlap::Maximum, Overlap::Priority] {
+        let draw = |second: TransferFunction| {
+            render(&stage(&[(volume.clone(), tf.clone()), (volume.clone(), second)], |scene| {
+                by_half_angles(scene);
+                scene.overlap = overlap;
+                scene.camera.projection = Projection::Orthographic { height: Some(18.0) };
+                // What is seen of nothing would move the eye.
+                let (target, distance) = (Some([0.0; 3]), Some(40.0));
+                scene.camera.view = View::Orbit(Orbit { target, distance, ..Orbit::default() });
+            }))
+        };
+        let (twice, once) = (draw(tf.clone()), draw(homogeneous(0.0)));
+        assert!(once.color.iter().filter(|pixel| pixel[3] > 0.3 && pixel[0] > 0.02).count() > 30);
+        same(&twice, &once, &format!("a volume twice by {overlap:?}"));
+    }
+}
+
+/// Fused with what is white a volume is white; with what is red it sends as much red, and nothing else. What gives its
+/// colours holds no light back and sends none.
+#[test]
+fn half_angle_light_is_sent_in_the_colors_of_another_volume() {
+    let [(volume, tf), _] = balls();
+    // Around all of it.
+    let other = solid([4; 3], DVec3::splat(-30.0), DVec3::splat(20.0));
+    let draw = |color: u32, opacity: f32| {
+        let layers =
+            [(volume.clone(), tf.clone()), (other.clone(), transfer_function(&[(0.0, color)], &[(0.0, opacity)]))];
+        render(&stage(&layers, |scene| {
+            by_half_angles(scene);
+            scene.overlap = Overlap::Fused { color: 1, opacity: 0 };
+            scene.camera.projection = Projection::Orthographic { height: Some(18.0) };
+        }))
+    };
+    let (white, red) = (draw(0xffffff, 0.0), draw(0xff0000, 0.9));
+    assert!(white.color.iter().filter(|pixel| pixel[3] > 0.3 && pixel[0] > 0.02).count() > 30);
+    for (white, red) in white.color.iter().zip(&red.color) {
+        let [r, g, b, a] = *red;
+        assert!((r - white[0]).abs() < 1e-6 && g == 0.0 && b == 0.0 && a == white[3], "{red:?} and {white:?}");
+        assert!((white[0] - white[1]).abs() < 1e-6 && (white[0] - white[2]).abs() < 1e-6, "{white:?} is not white");
+    }
+}
+
+/// A plate within a box holds back as much of the light on its way through both as the rule leaves of them.
+#[test]
+fn half_angle_light_comes_through_what_rules_choose() {
+    let opacities = [0.04, 0.3];
+    let block = solid([17, 17, 17], DVec3::ZERO, DVec3::ONE);
+    let plate = solid([17, 17, 5], DVec3::new(0.0, 0.0, 6.3), DVec3::ONE);
+    let draw = |overlap, swapped: bool, dense: f32| {
+        let mut layers = vec![(block.clone(), homogeneous(opacities[0])), (plate.clone(), homogeneous(dense))];
+        if swapped {
+            layers.reverse();
+        }
+        let stage = stage(&layers, |scene| {
+            by_half_angles(scene);
+            scene.overlap = overlap;
+            scene.technique = Technique::HalfAngle(HalfAngle { indirect: 0.0, ..HalfAngle::default() });
+            for entry in &mut scene.volumes {
+                let phase_normalization = PhaseNormalization::Renormalised;
+                entry.scattering = Scattering { phase: Phase::Isotropic, phase_normalization, ..Scattering::default() };
+            }
+            scene.lighting.lights = vec![Light::new(LightKind::Directional { direction: [0.0, 0.0, -1.0] })];
+            let target = Some([8.0, 8.0, 1.0]);
+            scene.camera.view =
+                View::Orbit(Orbit { azimuth: 0.0, elevation: 0.0, target, distance: Some(60.0), ..Orbit::default() });
+            scene.camera.projection = Projection::Orthographic { height: Some(0.5) };
+            scene.quality.step = 0.37;
+        });
+        center(&render(&stage))[0]
+    };
+    let [thin, dense] = kappas(opacities);
+    for (overlap, swapped, kappa) in [
+        (Overlap::Add, false, dense),
+        (Overlap::Maximum, false, dense - thin),
+        (Overlap::Maximum, true, dense - thin),
+        (Overlap::Priority, false, 0.0),
+        (Overlap::Priority, true, dense - thin),
+        (Overlap::Fused { color: 1, opacity: 0 }, false, 0.0),
+    ] {
+        let (dark, lit) = (draw(overlap, swapped, opacities[1]), draw(overlap, swapped, 0.0));
+        let share = (-4.0 * kappa).exp();
+        let found = f64::from(dark / lit);
+        assert!(lit > 0.05 && (found / share - 1.0).abs() < 5e-3, "{overlap:?}: {found} of the light, exact {share}");
+    }
 }
 
 /// A dense plate between the light and a volume darkens it by its transmittance.
