@@ -13,7 +13,7 @@ use crate::isosurface::Surfaced;
 use crate::lanes::{InstructionSet, Lanes, dispatch};
 use crate::medium::{Integrals, Layer, Many, OneGrid, Segmented, WithMedium};
 use crate::prepare::{Cache, MOST_STEPS, Prepared};
-use crate::shadow::{Across, Product, Shadow, Surfaces, ToLights, Turn};
+use crate::shadow::{Across, LightVolume, LightVolumes, Product, Shadow, Surfaces, ToLights, Turn};
 use crate::vary::Vary;
 
 /// The volumes of a stage, in the order in which they are merged.
@@ -43,22 +43,34 @@ impl<'s> Layers<'s> {
         &self.each
     }
 
-    /// The integrator of the stage's mode, for an instruction set.
+    /// The integrator of the stage's mode, for an instruction set, in the light of volumes if there are such.
     ///
     /// # Errors
     /// [`RenderError::Field`] if the filter's parameters are out of range.
-    pub fn integrator<'a>(&'a self, set: InstructionSet) -> Result<Box<dyn Integrator + 'a>, RenderError> {
+    pub fn integrator<'a>(
+        &'a self,
+        set: InstructionSet,
+        lights: Option<&'a [LightVolume]>,
+    ) -> Result<Box<dyn Integrator + 'a>, RenderError> {
         let samplers = self.each.iter().map(Prepared::sampler).collect::<Result<Vec<_>, _>>()?;
-        Ok(dispatch!(set, s => self.integrator_in(s, &samplers)))
+        Ok(dispatch!(set, s => self.integrator_in(s, &samplers, lights)))
     }
 
-    fn integrator_in<'a, S: Lanes>(&'a self, s: S, samplers: &[Sampler<'a>]) -> Box<dyn Integrator + 'a> {
+    fn integrator_in<'a, S: Lanes>(
+        &'a self,
+        s: S,
+        samplers: &[Sampler<'a>],
+        lights: Option<&'a [LightVolume]>,
+    ) -> Box<dyn Integrator + 'a> {
         let (stage, step) = (self.stage, self.stage.step);
         let layers = || self.each.iter().zip(samplers);
         match stage.mode() {
             Mode::Composite => {
                 let layer = |(prepared, sampler): (&'a Prepared, &Sampler<'a>)| {
-                    let lighting = prepared.lighting(|| self.shadow(s, prepared, samplers));
+                    let lighting = prepared.lighting(|| match lights {
+                        Some(lights) => Some(Box::new(LightVolumes::new(lights, prepared.grid()))),
+                        None => self.shadow(s, prepared, samplers),
+                    });
                     prepared.with_medium(s, sampler.clone(), lighting, AsLayer)
                 };
                 let accumulation = self.each[0].accumulation();
@@ -82,7 +94,7 @@ impl<'s> Layers<'s> {
         }
     }
 
-    /// What all layers leave of lights on their way to samples of one.
+    /// What all layers leave of lights on their way to samples of one, as rays to them find it.
     fn shadow<'a, S: Lanes>(
         &'a self,
         s: S,

@@ -145,11 +145,6 @@ impl<'s> Prepared<'s> {
         Cuts::new(Bounds::new(self.grid(), &self.region), self.grid().world_from_index_gradient(), rise)
     }
 
-    /// Whether anything of the volume answers light.
-    pub fn is_lit(&self) -> bool {
-        self.tables.light.scatter.is_some() || self.volume.material.is_some()
-    }
-
     /// Where the field is.
     pub fn solid(&self) -> Solid {
         Solid::new(self.grid(), &self.region)

@@ -1,5 +1,6 @@
 //! From a stage to a frame.
 
+use std::slice;
 use std::time::Instant;
 
 use pellucid_field::{Threads, memory, parallel};
@@ -135,14 +136,15 @@ fn render(
     match &stage.technique {
         Technique::RayCast(_) if stage.has_layers() => {
             let layers = Layers::new(stage, cache)?;
-            let integrator = layers.integrator(set)?;
+            let lights = lights.lights(layers.each(), set, control)?;
+            let integrator = layers.integrator(set, lights.as_ref().map(|lights| lights.as_slice()))?;
             let rays = (Emitter::of_eye(stage, set), &*layers.each().iter().map(Prepared::solid).collect::<Vec<_>>());
             drawing = Instant::now();
             tiles.draw(control, |tile| draw_tile(stage, &rays, integrator.as_ref(), control, tile))?;
         }
         Technique::RayCast(_) => {
             let prepared = Prepared::new(stage, 0, cache)?;
-            let lights = lights.lights(&prepared, set, control)?;
+            let lights = lights.lights(slice::from_ref(&prepared), set, control)?;
             let integrator = prepared.integrator(set, lights.as_ref().map(|lights| lights.as_slice()))?;
             let rays = (Emitter::of_eye(stage, set), &[prepared.solid()][..]);
             drawing = Instant::now();

@@ -7,7 +7,6 @@ use pellucid_scene::{Stage, StageVolume};
 use wgpu::{BindGroup, BindingResource, Buffer, FilterMode, Sampler, SamplerDescriptor, TextureFormat, TextureView};
 
 use crate::bounds::BoundsBuffer;
-use crate::dispatch::Bound;
 use crate::drawing::Interpolation;
 use crate::four::Four;
 use crate::groups::{Groups, Named};
@@ -15,7 +14,6 @@ use crate::kernels::Kernels;
 use crate::lights::Light;
 use crate::noise::Noise;
 use crate::optics::{Optics, lights};
-use crate::pipelines::Pipeline;
 use crate::resident::Resident;
 use crate::shaders::Variant;
 use crate::uniforms::{self, Frame};
@@ -137,11 +135,6 @@ impl<'a> Bindings<'a> {
         optics.tables.filter != Filter::Linear || (stage.quality.gradient != Gradient::Central && lights(stage.mode()))
     }
 
-    /// What a pipeline is told of the frame and its passes, with buffers and textures of its technique.
-    pub fn frame_group(&self, groups: &Groups, bounds: &BoundsBuffer, own: &[Named]) -> BindGroup {
-        groups.frame().bind(self.device, &[&self.of_frame(bounds)[..], own].concat())
-    }
-
     /// What shaders are told of the frame and its passes.
     pub fn of_frame<'r>(&'r self, bounds: &'r BoundsBuffer) -> Vec<Named<'r>> {
         let [frame, planes, lights] = &self.parts;
@@ -159,11 +152,6 @@ impl<'a> Bindings<'a> {
         [&self.uploads.entries, planes, lights]
     }
 
-    /// The textures of a brick.
-    pub fn volume_group(&self, groups: &Groups, textures: &[TextureView; 2]) -> BindGroup {
-        groups.volume().bind(self.device, &self.of_volume(textures))
-    }
-
     /// What shaders are told of a brick, and of the volume that it is of.
     pub fn of_volume<'r>(&'r self, [field, voxels]: &'r [TextureView; 2]) -> Vec<Named<'r>> {
         use BindingResource::{Sampler, TextureView};
@@ -176,19 +164,6 @@ impl<'a> Bindings<'a> {
         all.extend(colors.as_ref().map(|(_, colors)| ("colors", TextureView(colors))));
         all.extend(perturbation.as_ref().map(|noise| ("noise_texels", TextureView(&noise.texels))));
         all
-    }
-
-    /// A pipeline with all that it is told of a frame and its passes, of a brick and of tables.
-    pub fn bound<'p>(
-        &self,
-        pipeline: &'p Pipeline,
-        bounds: &BoundsBuffer,
-        own: &[Named],
-        textures: &[TextureView; 2],
-    ) -> Bound<'p> {
-        let Pipeline { pipeline, groups, .. } = pipeline;
-        let frame = self.frame_group(groups, bounds, own);
-        Bound { pipeline, groups: [frame, self.volume_group(groups, textures), self.table_group(groups)] }
     }
 
     /// The tables that a pipeline reads.

@@ -7,6 +7,7 @@ use bytemuck::{Pod, Zeroable, bytes_of};
 use wgpu::{BindingResource, Buffer, BufferBinding};
 
 use crate::Device;
+use crate::four::Four;
 
 /// Rows of the picture, and one of the rays of each of their pixels.
 #[repr(C)]
@@ -72,6 +73,8 @@ pub struct EyeBounds {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct PointBounds {
+    pub low: Four,
+    pub high: Four,
     pub run: Run,
     pub size: [u32; 3],
     pub first: u32,

@@ -15,7 +15,7 @@ use crate::device::Device;
 use crate::drawing::{Drawing, Interpolation, Passes};
 use crate::half_angle::{self, HalfAngleSlicer, KeptLight};
 use crate::light_volume::{self, LightVolumes};
-use crate::on_device::{Drawn, OnDevice, Wanted};
+use crate::on_device::{OnDevice, Wanted};
 use crate::optics::Optics;
 use crate::path_trace::{self, KeptPaths, PathTracer};
 use crate::pipelines::Pipelines;
@@ -218,11 +218,12 @@ impl GpuRenderer {
             return Err(GpuError::Unsupported { what, advice });
         }
         let sky = stage.path_trace().map(|settings| settings.environment.resolve()).transpose()?.flatten();
+        let light = light_volume::bytes(&self.device, stage)?;
         let (mut volumes, mut used) = (Vec::with_capacity(stage.volumes.len()), 0);
         for number in merge_order(stage) {
-            // All volumes are under one sky.
-            let sky = sky.as_ref().filter(|_| volumes.is_empty());
-            let prepared = self.prepare_volume(stage, number, sky, self.budget.saturating_sub(used))?;
+            // All volumes are under one sky, and in the same light.
+            let (sky, light) = if volumes.is_empty() { (sky.as_ref(), light) } else { (None, 0) };
+            let prepared = self.prepare_volume(stage, number, (sky, light), self.budget.saturating_sub(used))?;
             used = used.saturating_add(prepared.plan.kept());
             volumes.push(prepared);
         }
@@ -233,7 +234,7 @@ impl GpuRenderer {
         &mut self,
         stage: &'s Stage,
         number: usize,
-        sky: Option<&Sky>,
+        (sky, light): (Option<&Sky>, u64),
         budget: u64,
     ) -> Result<Wanted<'s>, GpuError> {
         let volume = &stage.volumes[number];
@@ -249,7 +250,7 @@ impl GpuRenderer {
                 border: bricks::border(stage, volume.volume.grid(), 1.0),
                 pixel_bytes: 0,
                 frame_bytes: stage.half_angle().map_or(0, half_angle::bytes)
-                    + light_volume::bytes(&self.device, stage, volume)?
+                    + light
                     + path_trace::bytes(&self.device, sky)?
                     + colors.as_ref().map_or(0, |colors| size_of_val(colors.texels()) as u64),
             },
@@ -257,7 +258,7 @@ impl GpuRenderer {
         let (plan, bricks) = MemoryPlan::new(&self.device, budget, stage, volume, &sources, &optics, demands)?;
         let travels = stage.technique.needs().light.is_followed();
         let moves = tables.displacer.is_some() || tables.variation.is_some() || colors.is_some();
-        let shadowed = stage.shadow_step(volume).is_some() || stage.light_resolution(volume).is_some();
+        let shadowed = stage.shadow_step(volume).is_some() || stage.light_resolution().is_some();
         if (travels || moves || shadowed || stage.has_layers()) && bricks.len() > 1 {
             let what = match stage.has_layers() {
                 true => format!("volumes[{number}], as one of several that are whole,"),
@@ -316,14 +317,8 @@ impl GpuRenderer {
             }
             Technique::RayCast(_) => {
                 let (kept, pipelines) = (&mut self.light, &mut self.pipelines);
-                let light = match drawn.as_mut_slice() {
-                    [Drawn { volume, resident, .. }] => {
-                        let what = (stage, *volume, &tables[0]);
-                        LightVolumes::kept(kept, device, pipelines, resident, what, self.drawing, control)?
-                    }
-                    // Through several volumes, rays are cast to lights.
-                    _ => None,
-                };
+                let volumes = (drawn.as_mut_slice(), tables.as_slice());
+                let light = LightVolumes::kept(kept, device, pipelines, stage, volumes, self.drawing, control)?;
                 let caster = RayCaster::new(device, pipelines, stage, drawn, (self.drawing, light));
                 let (mut caster, drawing) = (caster?, Instant::now());
                 caster.draw(&mut self.rays, target, control, frame)?;

@@ -40,6 +40,9 @@ pub struct Frame {
     pub plane: Four,
     pub plane_normal: Four,
     pub shadows: Four,
+    pub points_x: Four,
+    pub points_y: Four,
+    pub points_z: Four,
     pub chroma: Four,
     pub table: Four,
     pub size: [u32; 4],
@@ -196,9 +199,10 @@ impl Frame {
         self.two_sided = u32::from(material.two_sided);
     }
 
-    /// How many points a light volume has across its last axis.
-    pub fn set_light_points(&mut self, depth: usize) {
+    /// How many points light volumes have across their last axis, and where a grid's voxels are in their box.
+    pub fn set_light_points(&mut self, depth: usize, part_from_index: DAffine3) {
         self.shadows[3] = depth as f32;
+        [self.points_x, self.points_y, self.points_z] = rows(part_from_index);
     }
 
     /// Which part of the picture is drawn.
@@ -300,7 +304,8 @@ mod tests {
         let resolve = linked(Variant::of(shaders::Pass::Resolve));
         let frame = fields!(Frame: origin_middle origin_right origin_up direction_middle direction_right direction_up
             world_middle world_right world_up low high gradient_x gradient_y gradient_z world_x world_y world_z
-            picture values material limits plane plane_normal shadows chroma table size dims blocks light_count
+            picture values material limits plane plane_normal shadows
+            points_x points_y points_z chroma table size dims blocks light_count
             plane_count level_count two_sided jitter stack lists overlap scattering noise);
         assert_eq!(layout(&shaded, "Frame"), frame);
         let rays = fields!(RayBounds: rows texture_low most_looks core_low list core_high list_length);
@@ -323,7 +328,7 @@ mod tests {
         let light = linked(Variant { indirect: true, ..Variant::of(shaders::Pass::HalfAngleLight) }.canonical());
         assert_eq!(layout(&light, "Bounds"), fields!(LightBounds: low high tap slab));
         let points = linked(Variant::of(shaders::Pass::LightPoints).canonical());
-        assert_eq!(layout(&points, "Bounds"), fields!(PointBounds: run size first));
+        assert_eq!(layout(&points, "Bounds"), fields!(PointBounds: low high run size first));
         let paths = fields!(Paths: counts more numbers top bottom picture picture_size surface chroma index_x index_y index_z lens_right lens_up first_x first_y first_z own_x own_y own_z);
         let trace = linked(Variant::of(shaders::Pass::PathTrace).canonical());
         assert_eq!(layout(&trace, "Paths"), paths);

@@ -9,21 +9,15 @@ use crate::half_angle::{Geometry, LightPoints, around, lights};
 /// where a medium is so dense that its light hardly gets anywhere. A light volume has at most `side` points along an
 /// axis.
 pub fn cautions(stage: &Stage, side: usize) -> impl Iterator<Item = RenderWarning> {
-    let (volumes, light) = (stage.volumes.iter().enumerate(), stage.technique.needs().light);
-    volumes
-        .flat_map(move |(number, volume)| {
-            let dense = (light == LightPath::Scatters).then(|| too_dense(number, volume));
-            // Light that spreads passes all volumes in the same slabs.
-            let sweeps = number == 0 || light != LightPath::Spreads;
-            let slabs = sweeps.then(|| too_many_slabs(stage, volume, side));
-            [dense.flatten(), too_many_points(stage, volume, side), slabs.flatten()]
-        })
-        .flatten()
+    let scatters = stage.technique.needs().light == LightPath::Scatters;
+    let dense = stage.volumes.iter().enumerate().filter(move |_| scatters);
+    let dense = dense.filter_map(|(number, volume)| too_dense(number, volume));
+    dense.chain(too_many_points(stage, side)).chain(too_many_slabs(stage, side))
 }
 
-fn too_many_points(stage: &Stage, volume: &StageVolume, side: usize) -> Option<RenderWarning> {
-    let asked = stage.light_resolution(volume)?;
-    let points = LightPoints::of(stage, volume, side).ok()??;
+fn too_many_points(stage: &Stage, side: usize) -> Option<RenderWarning> {
+    let asked = stage.light_resolution()?;
+    let points = LightPoints::of(stage, side).ok()??;
     let [x, y, z] = points.grid.dims();
     (points.resolution < asked).then(|| {
         let reason = format!(
@@ -36,16 +30,15 @@ fn too_many_points(stage: &Stage, volume: &StageVolume, side: usize) -> Option<R
     })
 }
 
-fn too_many_slabs(stage: &Stage, volume: &StageVolume, side: usize) -> Option<RenderWarning> {
-    let mut grid = *volume.volume.grid();
+fn too_many_slabs(stage: &Stage, side: usize) -> Option<RenderWarning> {
+    let grid = around(stage).ok()?;
     let geometries: Vec<Geometry> = match stage.half_angle() {
         Some(settings) => {
-            grid = around(stage).ok()?;
             let lights = lights(stage, settings).ok()?;
             lights.iter().filter_map(|(_, light)| Geometry::new(stage, &grid, settings, light)).collect()
         }
         None => {
-            let points = LightPoints::of(stage, volume, side).ok()??;
+            let points = LightPoints::of(stage, side).ok()??;
             let sweep = |light| Geometry::of_light(stage.step, &grid, light, points.texels);
             stage.lights.iter().filter_map(sweep).collect()
         }

@@ -89,8 +89,8 @@ impl Stage {
         let step = match self.shadows {
             _ if !self.technique.needs().shadows => return None,
             Shadows::Rays(rays) => rays.step,
-            // Shadows of surfaces have edges, and a light volume is that of one volume.
-            Shadows::Volume(_) if surfaces || self.has_layers() => ShadowRays::default().step,
+            // Shadows of surfaces have edges.
+            Shadows::Volume(_) if surfaces => ShadowRays::default().step,
             Shadows::Volume(_) | Shadows::None => return None,
         };
         // What casts shadows need not be lit itself.
@@ -115,11 +115,12 @@ impl Stage {
         })
     }
 
-    /// Points of a light volume for each voxel and axis, if what is lit of a volume asks for one.
-    pub fn light_resolution(&self, volume: &StageVolume) -> Option<f64> {
+    /// Points of a light volume for each voxel and axis, if what is lit asks for one: that of all volumes together.
+    pub fn light_resolution(&self) -> Option<f64> {
         let Shadows::Volume(ShadowVolume { resolution }) = self.shadows else { return None };
-        let asked = self.technique.needs().shadows && *self.mode() == Mode::Composite && !self.has_layers();
-        (asked && (self.scatters() || volume.material.is_some())).then_some(resolution)
+        let asked = self.technique.needs().shadows && *self.mode() == Mode::Composite;
+        let lit = self.scatters() || self.volumes.iter().any(|volume| volume.material.is_some());
+        (asked && lit).then_some(resolution)
     }
 
     /// How many steps of a length off the sample shadow rays begin: off surfaces, as far as the roughness of sampled
@@ -166,10 +167,6 @@ impl Stage {
                 Some(_) => None,
             }
         });
-        let by_rays =
-            self.has_layers() && matches!(self.shadows, Shadows::Volume(_)) && *self.mode() == Mode::Composite;
-        let by_rays =
-            by_rays.then(|| "lighting.shadows.volume is that of one volume: several cast shadow rays".to_owned());
         let unseen = self.image.background == Background::Environment && self.sky().is_none();
         let unseen = unseen.then(|| format!("image.background is the environment, and {name} has none: it is black"));
         let ignored = lights.filter(move |_| !by_paths).chain(volumes.filter(move |_| !by_paths || self.has_layers()));
@@ -196,7 +193,6 @@ impl Stage {
         });
         ignored
             .chain(unmoved)
-            .chain(by_rays)
             .chain(unseen)
             .chain(merged)
             .chain(points)

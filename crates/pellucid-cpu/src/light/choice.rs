@@ -43,7 +43,7 @@ impl Prepared<'_> {
         lights: Option<&'a [LightVolume]>,
     ) -> Option<Box<dyn Shadow<S> + 'a>> {
         if let Some(lights) = lights {
-            return Some(Box::new(LightVolumes::new(lights)));
+            return Some(Box::new(LightVolumes::new(lights, self.grid())));
         }
         let shadows = self.shadows.as_ref()?;
         let ways = ToLights::new(self, shadows.length);

@@ -1,55 +1,48 @@
-//! The light at the points of a grid, swept through the volume once (6.1-2, K-04).
+//! The light at the points of a grid, swept through all volumes once (6.1-2, K-04).
 
 use glam::DVec3;
 use pellucid_field::{ComponentView, Gradient, Grid, Linear, Volume, Voxels};
 use pellucid_optics::ResolvedLight;
-use pellucid_plan::half_angle::{Geometry, LightError, LightPoints};
+use pellucid_plan::half_angle::{Geometry, LightError, LightPoints, around};
 use pellucid_scene::{Control, HalfAngle, Region};
 use rayon::prelude::*;
 
-use super::Shadow;
+use super::{Shadow, Turn};
 use crate::RenderError;
-use crate::field::{Bounds, Field, Probe, Trilinear};
+use crate::field::{Any, Bounds, Field, Probe, Trilinear};
 use crate::half_angle::{Lengths, Matter, Seen, Sweep};
 use crate::lanes::*;
 use crate::prepare::Prepared;
 
-/// What is left of a light in a volume's box.
+/// What is left of a light in the box around all volumes.
 pub struct LightVolume {
     volume: Volume,
     /// All of it is there.
     region: Region,
-    /// Index of the first point, and points per voxel.
-    low: [f32; 3],
-    density: [f32; 3],
 }
 
 impl LightVolume {
-    /// Sweeps a light through the volume of a stage, with `resolution` points for each voxel and axis.
+    /// Sweeps a light through the volumes of a stage, in the order in which they are merged, with `resolution` points for
+    /// each voxel and axis.
     ///
     /// # Errors
-    /// [`RenderError::Light`] if it stands in the volume, [`RenderError::Cancelled`].
+    /// [`RenderError::Light`] if it stands among the volumes, [`RenderError::Cancelled`].
     pub fn new(
-        prepared: &Prepared,
+        layers: &[Prepared],
         (number, light): (usize, &ResolvedLight),
         resolution: f64,
         set: InstructionSet,
         control: &Control,
     ) -> Result<Self, RenderError> {
-        let grid = prepared.grid();
-        let lights = prepared.stage.lights.len();
-        let LightPoints { grid: points, low, spacing, texels, .. } =
-            LightPoints::new(grid, resolution, lights, usize::MAX)?;
+        let stage = layers[0].stage;
+        let grid = around(stage)?;
+        let LightPoints { grid: points, texels, .. } =
+            LightPoints::new(&grid, resolution, stage.lights.len(), usize::MAX)?;
         let geometry =
-            Geometry::of_light(prepared.stage.step, grid, light, texels).ok_or(LightError::Inside { light: number })?;
+            Geometry::of_light(stage.step, &grid, light, texels).ok_or(LightError::Inside { light: number })?;
         let direct = HalfAngle { indirect: 0.0, ..HalfAngle::default() };
-        let values = dispatch!(set, s => sweep(s, prepared, &geometry, &direct, &points, control))?;
-        Ok(Self {
-            volume: Volume::new(points, Voxels::from(values))?,
-            region: Region::default(),
-            low: low.as_vec3().to_array(),
-            density: spacing.recip().as_vec3().to_array(),
-        })
+        let values = dispatch!(set, s => sweep(s, layers, &geometry, &direct, &points, control))?;
+        Ok(Self { volume: Volume::new(points, Voxels::from(values))?, region: Region::default() })
     }
 
     fn field(&self) -> Option<Trilinear<'_, f32>> {
@@ -63,7 +56,7 @@ impl LightVolume {
 /// The light at points, x fastest.
 fn sweep<S: Lanes>(
     s: S,
-    prepared: &Prepared,
+    layers: &[Prepared],
     geometry: &Geometry,
     settings: &HalfAngle,
     points: &Grid,
@@ -71,11 +64,12 @@ fn sweep<S: Lanes>(
 ) -> Result<Vec<f32>, RenderError> {
     let Geometry { frame, slabs, ways, .. } = geometry;
     let cancelled = || control.is_cancelled();
-    let lengths = Lengths::new(prepared, *ways)?;
-    let field = prepared.any(prepared.sampler()?);
-    let matter = Matter::new(s, prepared, &lengths, &field, settings);
-    let mut light =
-        Sweep::new(std::slice::from_ref(prepared), settings, geometry, vec![matter], Seen::Everywhere, cancelled)?;
+    let lengths = layers.iter().map(|layer| Lengths::new(layer, *ways)).collect::<Result<Vec<_>, _>>()?;
+    let samplers = layers.iter().map(Prepared::sampler).collect::<Result<Vec<_>, _>>()?;
+    let fields: Vec<Any<S>> = layers.iter().zip(samplers).map(|(layer, sampler)| layer.any(sampler)).collect();
+    let each = layers.iter().zip(&lengths).zip(&fields);
+    let matter = each.map(|((layer, lengths), field)| Matter::new(s, layer, lengths, field, settings)).collect();
+    let mut light = Sweep::new(layers, settings, geometry, matter, Seen::Everywhere, cancelled)?;
     let [nx, ny, _] = points.dims();
     let world = points.world_from_index();
     let mut values = vec![1.0f32; points.len()];
@@ -107,15 +101,19 @@ fn sweep<S: Lanes>(
     Ok(values)
 }
 
-/// Light volumes of all lights.
+/// Light volumes of all lights, as samples of one of the volumes find them.
 pub struct LightVolumes<'a> {
-    lights: Vec<(Trilinear<'a, f32>, &'a LightVolume)>,
+    lights: Vec<(Trilinear<'a, f32>, Turn)>,
 }
 
 impl<'a> LightVolumes<'a> {
-    /// In the order of the lights.
-    pub fn new(volumes: &'a [LightVolume]) -> Self {
-        Self { lights: volumes.iter().filter_map(|volume| Some((volume.field()?, volume))).collect() }
+    /// In the order of the lights, for samples at index positions of a grid.
+    pub fn new(volumes: &'a [LightVolume], grid: &Grid) -> Self {
+        let light = |light: &'a LightVolume| {
+            let points = light.volume.grid();
+            Some((light.field()?, Turn::new(points.index_from_world() * grid.world_from_index())))
+        };
+        Self { lights: volumes.iter().filter_map(light).collect() }
     }
 }
 
@@ -124,8 +122,8 @@ impl<S: Lanes> Shadow<S> for LightVolumes<'_> {
         s.vectorize(
             #[inline(always)]
             || {
-                let (field, LightVolume { low, density, .. }) = &self.lights[light];
-                field.values(s, xyz!(I => (index[I] - low[I]) * density[I]), lanes)
+                let (field, turn) = &self.lights[light];
+                field.values(s, turn.of(s, index), lanes)
             },
         )
     }

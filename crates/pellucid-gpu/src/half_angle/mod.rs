@@ -194,7 +194,7 @@ impl<'a> HalfAngleSlicer<'a> {
             let reach = if is_blurred { radius * geometry.frame.finest(&grid) } else { 0.0 };
             let sides = Layers::sides(size);
             let numbers = |volume: &PassVolume| {
-                let what = (stage, volume.volume);
+                let what = (stage, volume.volume.volume.grid());
                 let sweep = Sweep::new(what, (settings, cone), &geometry, (light, found.len()), sides);
                 device.constant_buffer("sweep", bytes_of(&sweep))
             };

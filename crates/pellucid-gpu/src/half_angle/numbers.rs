@@ -7,7 +7,7 @@ use glam::DVec3;
 use pellucid_field::Grid;
 use pellucid_optics::ResolvedLight;
 use pellucid_plan::half_angle::{Geometry, Ways, taps};
-use pellucid_scene::{BlurScaling, HalfAngle, InScatter, LightCorrection, Stage, StageVolume};
+use pellucid_scene::{BlurScaling, HalfAngle, InScatter, LightCorrection, Stage};
 
 use crate::four::Four;
 use crate::lights::Light;
@@ -39,16 +39,15 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Of a light among so many, as it passes one of the stage's volumes, in layers with sides of so many texels;
+    /// Of a light among so many, as it passes a grid among those of a stage, in layers with sides of so many texels;
     /// direct light is scattered into the cone with weights.
     pub fn new(
-        (stage, volume): (&Stage, &StageVolume),
+        (stage, grid): (&Stage, &Grid),
         (settings, [r, g, b]): (&HalfAngle, [f32; 3]),
         geometry: &Geometry,
         (light, lights): (&ResolvedLight, usize),
         sides: [u32; 2],
     ) -> Self {
-        let grid = volume.volume.grid();
         let mut sweep = Self::default();
         sweep.set_rays(geometry, grid);
         let Geometry { frame, slabs, ways, longest, .. } = geometry;
@@ -77,7 +76,8 @@ impl Sweep {
         let turn = TAU / f64::from(taps::count(settings).max(1));
         sweep.taps = [turn.cos() as f32, turn.sin() as f32, 1.0 / sides[0] as f32, 1.0 / sides[1] as f32];
         sweep.size = [frame.size[0], frame.size[1], slabs.count, 0].map(|n| n as u32);
-        sweep.light = Light::new(light, volume.scattering.meets(light));
+        // What is scattered goes on with it, and no path finds it by chance.
+        sweep.light = Light::new(light, false);
         let gate = match settings.in_scatter {
             InScatter::Indirect | InScatter::Direct => 0,
             InScatter::DirectFromMatter => 1,

@@ -37,7 +37,9 @@ pub fn bindings<'a>(
     lists: [u32; 4],
 ) -> Bindings<'a> {
     let alter = |frame: &mut uniforms::Frame| {
-        frame.set_light_points(light.map_or(0, |light| light.depth));
+        if let Some(light) = light {
+            frame.set_light_points(light.depth, light.part_from_world * volume.volume.grid().world_from_index());
+        }
         frame.lists = lists;
     };
     let bindings = Bindings::new(device, resident, (stage, volume), (optics, uploads), drawing.interpolation, alter);

@@ -4,10 +4,10 @@
 #import pellucid::frame::{frame, world_of}
 #import pellucid::lists::Light
 #ifdef SHADOWED
+#import pellucid::light_volume::transmittance_in_volume
 #ifdef LAYERED
 #import pellucid::across::transmittance_across
 #else
-#import pellucid::light_volume::transmittance_in_volume
 #import pellucid::shadow::transmittance_to
 #endif
 #endif
@@ -43,13 +43,13 @@ fn incident(light: Light, p: vec3<f32>) -> Incident {
 // What is left of a light, by its number, where it arrives.
 fn share_of(number: u32, light: Light, p: vec3<f32>) -> f32 {
 #ifdef SHADOWED
+    if frame.shadows.w != 0.0 {
+        return transmittance_in_volume(number, p);
+    }
 #ifdef LAYERED
     return transmittance_across(light.place, world_of(p));
 #else
-    if frame.shadows.w == 0.0 {
-        return transmittance_to(light.place, p);
-    }
-    return transmittance_in_volume(number, p);
+    return transmittance_to(light.place, p);
 #endif
 #else
     return 1.0;

@@ -85,6 +85,10 @@ struct Frame {
     // A step of a shadow ray in world lengths and in steps of rays; how many of them off the sample it begins; points
     // of a light volume across its last axis, 0 for rays.
     shadows: vec4<f32>,
+    // Rows of the matrix from voxels to parts of the box of light volumes.
+    points_x: vec4<f32>,
+    points_y: vec4<f32>,
+    points_z: vec4<f32>,
     // Extinctions of each colour over that of the one that is lost least, whose opacities all opacities are.
     chroma: vec4<f32>,
     // Data values of the table's first and last node; how many rows behind its entries tell where the others are, 0 if
@@ -141,6 +145,9 @@ struct Bounds {
     // Coordinates of the slab's near side and of its middle.
     slab: vec2<f32>,
 #else ifdef OF_POINTS
+    // The box of the points, in voxels of its grid.
+    low: vec4<f32>,
+    high: vec4<f32>,
     run: Run,
     // Points of a light, and where they begin along the last axis.
     size: vec3<u32>,

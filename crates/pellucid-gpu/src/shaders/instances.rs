@@ -9,6 +9,7 @@ const SHARED: &[&str] = &[
     "cursor",
     "passage",
     "across",
+    "points",
     "count",
     "each",
     "each_hit",

@@ -28,6 +28,7 @@ pub(super) const SHARED: &[Wgsl] = &[
     wgsl!("pieces"),
     wgsl!("skip"),
     wgsl!("shadow"),
+    wgsl!("points"),
     wgsl!("light_volume"),
     wgsl!("scatter"),
     wgsl!("normal"),

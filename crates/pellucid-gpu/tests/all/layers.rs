@@ -111,6 +111,8 @@ fn layers_are_those_of_the_cpu() {
     let unlit = "shading = false\n";
     let rays = format!("[lighting]\nshadows.rays = {{}}\n{LIGHTS}");
     let lights = format!("[lighting]\n{LIGHTS}");
+    let volumes = format!("[lighting]\nshadows.volume.resolution = 0.8\n{LIGHTS}");
+    let clouds = format!("[lighting]\nmodel = \"scattering\"\nshadows.volume = {{}}\n{LIGHTS}");
     let cases = [
         ("", unlit, String::new()),
         ("", unlit, "[quality]\nstep = 0.4\nempty_space_skipping = false\n".to_owned()),
@@ -123,6 +125,10 @@ fn layers_are_those_of_the_cpu() {
         ("", "shading = true\n", lights.clone()),
         ("", "shading = true\ngradient_weight = { low = 0.1, high = 4.0 }\n", lights),
         ("", "shading = true\n", rays.clone()),
+        ("", "shading = true\n", volumes.clone()),
+        ("overlap = \"maximum\"", "shading = true\n", volumes.clone()),
+        ("overlap = \"priority\"", "shading = true\n", volumes),
+        ("", unlit, clouds),
         ("", unlit, "[quality]\nfilter = { bc = { b = 0.3, c = 0.3 } }\n".to_owned()),
         ("", unlit, "[[clips]]\nplane = { point = [1, 0, 0], normal = [0.6, 0.2, -0.7] }\n".to_owned()),
     ];
@@ -256,7 +262,8 @@ fn neither_the_order_of_the_list_nor_turns_change_a_bit() {
     let surfaces = "[technique.ray_cast.mode.isosurface]\nisovalues = [{ value = 0.6, opacity = 0.4 }, \
         { value = 130, opacity = 0.3 }, { value = 180, opacity = 0.5 }]\n";
     let (mut renderer, mut turns) = (gpu(&Ceiling::default()), gpu(&Ceiling::default()).with_passes(Passes::Wavefront));
-    for rest in [lit, surfaces.to_owned(), "[technique.ray_cast]\nmode = \"x_ray\"\n".to_owned()] {
+    let volumes = format!("[lighting]\nshadows.volume = {{}}\n{LIGHTS}");
+    for rest in [lit, volumes, surfaces.to_owned(), "[technique.ray_cast]\nmode = \"x_ray\"\n".to_owned()] {
         let bits = |renderer: &mut GpuRenderer, layers: &[(Arc<Volume>, &str)]| {
             let frame = draw(renderer, &layered(layers, &rest, [24, 20]));
             let numbers = [frame.color.as_flattened(), &frame.depth, frame.normal.as_flattened()].concat();

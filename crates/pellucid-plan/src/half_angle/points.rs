@@ -2,7 +2,9 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use pellucid_field::{FieldError, Grid};
-use pellucid_scene::{Stage, StageVolume};
+use pellucid_scene::Stage;
+
+use super::around;
 
 /// Most points of all light volumes of a scene: a gibibyte.
 const MOST_POINTS: usize = 1 << 28;
@@ -14,10 +16,6 @@ const MOST_TEXELS: f64 = 2048.0;
 pub struct LightPoints {
     /// The points as a grid.
     pub grid: Grid,
-    /// Index position of the first.
-    pub low: DVec3,
-    /// Voxels from one to the next.
-    pub spacing: DVec3,
     /// Texels along the light's picture, about as far apart as the points.
     pub texels: u32,
     /// Points for each voxel and axis: as asked for, or fewer, so that there are not too many.
@@ -25,14 +23,14 @@ pub struct LightPoints {
 }
 
 impl LightPoints {
-    /// The points of a light volume, if what is lit of a volume asks for one: at most `side` along an axis, those of all
-    /// lights along the last.
+    /// The points of a light volume around all volumes, if what is lit asks for one: at most `side` along an axis, those
+    /// of all lights along the last.
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn of(stage: &Stage, volume: &StageVolume, side: usize) -> Result<Option<Self>, FieldError> {
-        let points = |resolution| Self::new(volume.volume.grid(), resolution, stage.lights.len(), side);
-        stage.light_resolution(volume).map(points).transpose()
+    pub fn of(stage: &Stage, side: usize) -> Result<Option<Self>, FieldError> {
+        let points = |resolution| Self::new(&around(stage)?, resolution, stage.lights.len(), side);
+        stage.light_resolution().map(points).transpose()
     }
 
     /// With `resolution` points for each voxel and axis, for each of so many lights, or as many as there can be: points
@@ -66,7 +64,7 @@ impl LightPoints {
         let points = Grid::with_affine(dims, grid.world_from_index() * index_from_point)?;
         let [near, far] = [points.smallest_spacing(), grid.world_corners()[0].distance(grid.center()) * 2.0];
         let texels = (far / near).ceil().clamp(16.0, MOST_TEXELS) as u32;
-        Ok(Self { grid: points, low, spacing, texels, resolution })
+        Ok(Self { grid: points, texels, resolution })
     }
 }
 
