@@ -68,10 +68,10 @@ impl<F: Values> Medium<'_, F> {
         flight: &Flight,
         carried: &mut [f32; 3],
         random: &mut Random,
-        looks: &mut u32,
+        evaluations: &mut u32,
     ) -> Option<Collision> {
         let mut collision = None;
-        self.visit::<false>(flight, random, looks, |event, random| {
+        self.visit::<false>(flight, random, evaluations, |event, random| {
             let Event::Met(Tentative { distance, value, chance }) = event else { return false };
             let number = random.number();
             let is_real = match self.chroma {
@@ -94,10 +94,10 @@ impl<F: Values> Medium<'_, F> {
 
     /// An estimate of the share of each colour that gets through.
     #[inline]
-    pub fn transmittance(&self, flight: &Flight, random: &mut Random, looks: &mut u32) -> [f32; 3] {
+    pub fn transmittance(&self, flight: &Flight, random: &mut Random, evaluations: &mut u32) -> [f32; 3] {
         match self.chroma {
-            None => [self.transmittances([1.0], flight, random, looks)[0]; 3],
-            Some(chroma) => self.transmittances(chroma, flight, random, looks),
+            None => [self.transmittances([1.0], flight, random, evaluations)[0]; 3],
+            Some(chroma) => self.transmittances(chroma, flight, random, evaluations),
         }
     }
 
@@ -110,10 +110,10 @@ impl<F: Values> Medium<'_, F> {
         factors: [f32; N],
         flight: &Flight,
         random: &mut Random,
-        looks: &mut u32,
+        evaluations: &mut u32,
     ) -> [f32; N] {
         let (mut transmittance, mut passed) = ([1.0f32; N], 0.0);
-        self.visit::<true>(flight, random, looks, |event, random| {
+        self.visit::<true>(flight, random, evaluations, |event, random| {
             match event {
                 Event::Passed(depth) => {
                     passed += depth;
@@ -150,7 +150,7 @@ impl<F: Values> Medium<'_, F> {
         &self,
         flight: &Flight,
         random: &mut Random,
-        looks: &mut u32,
+        evaluations: &mut u32,
         mut is_last: impl FnMut(Event, &mut Random) -> bool,
     ) {
         let mut walk = Walk::new(&self.majorants.leaps, self.majorants.size, flight);
@@ -168,7 +168,7 @@ impl<F: Values> Medium<'_, F> {
                         break;
                     }
                     distance = next;
-                    *looks += 1;
+                    *evaluations += 1;
                     let at = flight.at(distance);
                     let value = self.field.value(at);
                     let extinction = self.extinctions.at(value) * self.field.extinction(at);
@@ -257,15 +257,16 @@ mod tests {
         })
     }
 
-    /// Variances and looks of estimates, whose means are checked, of what gets through along x, with a slope.
+    /// Variances and evaluations of estimates, whose means are checked, of what gets through along x, with a slope.
     fn estimates(medium: &Medium<ScalarTrilinear<f32>>, [from, to]: [f32; 2], slope: f32) -> ([f64; 3], u32) {
         const COUNT: usize = 100_000;
         let origin = Vec3::new(from, 1.0, 2.0);
         let flight =
             Flight { origin, direction: Vec3::new((to - from).signum(), slope, 0.0), length: (to - from).abs() };
-        let (mut sums, mut squares, mut looks) = ([0.0; 3], [0.0; 3], 0);
+        let (mut sums, mut squares, mut evaluations) = ([0.0; 3], [0.0; 3], 0);
         for number in 0..COUNT {
-            let transmittance = medium.transmittance(&flight, &mut Random::new([5, 6], 7, number as u32), &mut looks);
+            let transmittance =
+                medium.transmittance(&flight, &mut Random::new([5, 6], 7, number as u32), &mut evaluations);
             for channel in 0..3 {
                 sums[channel] += f64::from(transmittance[channel]);
                 squares[channel] += f64::from(transmittance[channel]).powi(2);
@@ -282,7 +283,7 @@ mod tests {
             let difference = (means[channel] - expected).abs();
             assert!(difference < 4.0 * error + 2e-5, "{from} to {to}: {} +- {error}, not {expected}", means[channel]);
         }
-        (variances, looks)
+        (variances, evaluations)
     }
 
     const DENSE: f32 = 1.2;
@@ -293,9 +294,9 @@ mod tests {
             for (way, slope) in [([0.0, 8.0], 0.0), ([3.0, 9.5], 0.7), ([15.5, 7.0], 0.3), ([0.0, 16.0], 0.0)] {
                 let [local, global] = [Majorants::Local, Majorants::Global]
                     .map(|bounds| with_ramp(DENSE, bounds, chroma, |medium| estimates(medium, way, slope)));
-                // Fewer looks would make more noise, if the least extinctions did not leave less to chance.
+                // Fewer evaluations would make more noise, if the least extinctions did not leave less to chance.
                 assert!(local.0[0] < 1.1 * global.0[0], "{way:?}: {:?} and {:?}", local.0, global.0);
-                assert!(local.1 * 5 < global.1 * 4, "{way:?}: {} looks and {}", local.1, global.1);
+                assert!(local.1 * 5 < global.1 * 4, "{way:?}: {} evaluations and {}", local.1, global.1);
             }
         }
     }

@@ -31,14 +31,15 @@ pub struct Brought {
     pub passed: [f32; 3],
     /// Distance from the eye to the first collision in world units; infinite if there was none.
     pub depth: f32,
-    /// Looks at the field.
-    pub looks: u32,
+    /// Evaluations of the field.
+    pub evaluations: u32,
 }
 
 impl<M: Surroundings> World<'_, M> {
     /// Follows a ray from the eye to where its light came from, of which there is some only between two distances.
     pub fn follow(&self, ray: &Ray, between: [f64; 2], random: &mut Random) -> Brought {
-        let mut found = Brought { met: false, radiance: [0.0; 3], passed: [1.0; 3], depth: f32::INFINITY, looks: 0 };
+        let mut found =
+            Brought { met: false, radiance: [0.0; 3], passed: [1.0; 3], depth: f32::INFINITY, evaluations: 0 };
         let Some((entry, mut way)) = self.matter.enter(ray, between) else { return found };
         found.met = true;
         let mut forward = ray.direction.as_vec3();
@@ -46,7 +47,7 @@ impl<M: Surroundings> World<'_, M> {
         // Density with which the last scattering chose the direction.
         let mut density = 0.0;
         for scatterings in 0.. {
-            let collision = self.matter.collide(&way, &mut throughput, random, &mut found.looks);
+            let collision = self.matter.collide(&way, &mut throughput, random, &mut found.evaluations);
             if scatterings > 0 {
                 let most = collision.as_ref().map_or(f32::INFINITY, |collision| collision.distance);
                 self.add_lights(&mut found.radiance, throughput, self.matter.origin(&way), forward, most, density);
@@ -87,7 +88,7 @@ impl<M: Surroundings> World<'_, M> {
             } else {
                 at
             };
-            let direct = self.direct((layer, at), &vertex, random, &mut found.looks);
+            let direct = self.direct((layer, at), &vertex, random, &mut found.evaluations);
             add(&mut found.radiance, throughput, direct);
             forward = vertex.sample(random);
             density = vertex.pdf(forward);
@@ -119,7 +120,13 @@ impl<M: Surroundings> World<'_, M> {
 
     /// Light that comes straight from a light or from the sky, of which one is asked.
     #[inline]
-    fn direct(&self, (layer, at): (usize, Vec3), vertex: &Vertex, random: &mut Random, looks: &mut u32) -> [f32; 3] {
+    fn direct(
+        &self,
+        (layer, at): (usize, Vec3),
+        vertex: &Vertex,
+        random: &mut Random,
+        evaluations: &mut u32,
+    ) -> [f32; 3] {
         let volume = self.matter.layer(layer);
         let sources = self.lights.len() + usize::from(self.sky.is_some());
         if sources == 0 {
@@ -148,7 +155,7 @@ impl<M: Surroundings> World<'_, M> {
         if light.iter().all(|v| *v <= 0.0) {
             return [0.0; 3];
         }
-        let transmittance = self.matter.transmittance((layer, at), (direction, distance), random, looks);
+        let transmittance = self.matter.transmittance((layer, at), (direction, distance), random, evaluations);
         scale(light, transmittance).map(|v| v * sources as f32)
     }
 

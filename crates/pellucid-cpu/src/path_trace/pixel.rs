@@ -87,7 +87,8 @@ impl<M: Surroundings> Paths<'_, M> {
                 return Ok(Pixel { found, noise: 0.0, paths: 1, light: [0.0; 2], met: u32::from(met), collided: 0 });
             }
         };
-        let (mut radiance, mut passed, mut met, mut collided, mut looks) = ([0.0f64; 3], [0.0f64; 3], 0u32, 0u32, 0u32);
+        let (mut radiance, mut passed, mut met, mut collided, mut evaluations) =
+            ([0.0f64; 3], [0.0f64; 3], 0u32, 0u32, 0u32);
         let (mut brightness, mut light) = (Welford::default(), [0.0f64; 2]);
         depths.clear();
         for sample in 0..settings.samples {
@@ -107,7 +108,7 @@ impl<M: Surroundings> Paths<'_, M> {
             brightness.add(f64::from(brought * kept));
             met += u32::from(found.met);
             collided += u32::from(found.depth.is_finite());
-            looks = looks.saturating_add(found.looks);
+            evaluations = evaluations.saturating_add(found.evaluations);
             depths.push(found.depth);
             let looked_at =
                 settings.noise > 0.0 && (sample + 1) % BATCH == 0 && sample + 1 >= PathTrace::LEAST_TO_JUDGE;
@@ -124,7 +125,7 @@ impl<M: Surroundings> Paths<'_, M> {
         let color = [r, g, b, (f64::from(collided) / count) as f32];
         let normal = self.world.normal(&self.lens.middle(x, y), *depth);
         let opacities = passed.map(|sum| (1.0 - sum / count) as f32);
-        let found = Found { color, opacities, depth: *depth, normal, samples: looks };
+        let found = Found { color, opacities, depth: *depth, normal, samples: evaluations };
         let noise = brightness.standard_error() as f32;
         Ok(Pixel { found, noise, paths: brightness.count, light, met, collided })
     }

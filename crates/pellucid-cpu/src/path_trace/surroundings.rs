@@ -47,12 +47,18 @@ pub trait Surroundings: Sync {
         way: &Self::Way,
         carried: &mut [f32; 3],
         random: &mut Random,
-        looks: &mut u32,
+        evaluations: &mut u32,
     ) -> Option<Encounter>;
 
     /// An estimate of the share of each colour that gets through from a position in a volume, along a unit vector of
     /// the world for so many world units.
-    fn transmittance(&self, from: (usize, Vec3), way: (Vec3, f32), random: &mut Random, looks: &mut u32) -> [f32; 3];
+    fn transmittance(
+        &self,
+        from: (usize, Vec3),
+        way: (Vec3, f32),
+        random: &mut Random,
+        evaluations: &mut u32,
+    ) -> [f32; 3];
 
     /// Whether scattered paths look for a light.
     fn meets(&self, light: &ResolvedLight) -> bool;
@@ -94,9 +100,9 @@ impl<F: Values> Surroundings for Alone<'_, F> {
         flight: &Flight,
         carried: &mut [f32; 3],
         random: &mut Random,
-        looks: &mut u32,
+        evaluations: &mut u32,
     ) -> Option<Encounter> {
-        let collision = self.0.medium.collide(flight, carried, random, looks)?;
+        let collision = self.0.medium.collide(flight, carried, random, evaluations)?;
         let (distance, value) = (collision.distance, collision.value);
         Some(Encounter { layer: 0, distance, value, at: flight.at(distance) })
     }
@@ -107,10 +113,10 @@ impl<F: Values> Surroundings for Alone<'_, F> {
         (_, at): (usize, Vec3),
         (direction, most): (Vec3, f32),
         random: &mut Random,
-        looks: &mut u32,
+        evaluations: &mut u32,
     ) -> [f32; 3] {
         let flight = self.0.medium.space.leave(at, direction, most);
-        self.0.medium.transmittance(&flight, random, looks)
+        self.0.medium.transmittance(&flight, random, evaluations)
     }
 
     #[inline(always)]
@@ -176,7 +182,7 @@ impl<'a> Surroundings for Together<'a> {
         ways: &Flights,
         carried: &mut [f32; 3],
         random: &mut Random,
-        looks: &mut u32,
+        evaluations: &mut u32,
     ) -> Option<Encounter> {
         let mut nearest: Option<Encounter> = None;
         for (number, (layer, flight)) in self.0.iter().zip(&ways.flights).enumerate() {
@@ -187,7 +193,7 @@ impl<'a> Surroundings for Together<'a> {
             if flight.length <= 0.0 {
                 continue;
             }
-            if let Some(collision) = layer.medium.collide(&flight, carried, random, looks) {
+            if let Some(collision) = layer.medium.collide(&flight, carried, random, evaluations) {
                 let distance = start + collision.distance;
                 let at = flight.at(collision.distance);
                 nearest = Some(Encounter { layer: number, distance, value: collision.value, at });
@@ -201,13 +207,13 @@ impl<'a> Surroundings for Together<'a> {
         (layer, at): (usize, Vec3),
         (direction, most): (Vec3, f32),
         random: &mut Random,
-        looks: &mut u32,
+        evaluations: &mut u32,
     ) -> [f32; 3] {
         let ways = self.from(layer, at, direction, f64::from(most));
         let mut transmittance = [1.0; 3];
         for (layer, flight) in self.0.iter().zip(&ways.flights) {
             let Some((_, flight)) = flight else { continue };
-            let own = layer.medium.transmittance(flight, random, looks);
+            let own = layer.medium.transmittance(flight, random, evaluations);
             transmittance = super::vertex::scale(transmittance, own);
             if transmittance == [0.0; 3] {
                 break;

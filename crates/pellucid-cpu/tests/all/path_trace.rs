@@ -194,8 +194,13 @@ fn one_majorant_and_many_give_one_picture() {
         let squares = local.noise.iter().chain(&global.noise).map(|v| f64::from(*v).powi(2)).sum::<f64>();
         let z = (sum(&local) - sum(&global)) / squares.sqrt();
         assert!(z.abs() < 4.0, "{filter:?}: {z} deviations");
-        let looks = |frame: &Frame| frame.statistics.samples;
-        assert!(looks(&local) * 2 < looks(&global), "{} looks and {}", looks(&local), looks(&global));
+        let evaluations = |frame: &Frame| frame.statistics.samples;
+        assert!(
+            evaluations(&local) * 2 < evaluations(&global),
+            "{} evaluations and {}",
+            evaluations(&local),
+            evaluations(&global)
+        );
     }
 }
 

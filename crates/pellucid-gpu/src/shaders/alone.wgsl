@@ -26,7 +26,7 @@ fn encounter(way: Flight, carried: vec3<f32>) -> Encounter {
 }
 
 // The share of each colour that gets through from a position along a unit vector of the world for so many steps, and the
-// looks that it took.
+// evaluations that it took.
 fn transmittance_from(layer: u32, p: vec3<f32>, forward: vec3<f32>, most: f32) -> vec4<f32> {
     return matter::transmittance(matter::leave_along(p, forward, most));
 }

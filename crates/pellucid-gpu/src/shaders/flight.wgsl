@@ -32,7 +32,7 @@ struct Collision {
     matter: vec4<f32>,
     // What the path carries after it.
     carried: vec3<f32>,
-    looks: u32,
+    evaluations: u32,
 }
 
 // A collision, the number of the volume that it is one with, and where in that, in voxels.

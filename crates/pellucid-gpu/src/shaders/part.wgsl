@@ -19,11 +19,11 @@ fn nearer(met: Encounter, layer: u32, part: Part) -> Encounter {
         found = Encounter(collision, layer, flight.origin + flight.direction * collision.distance);
         found.collision.distance += part.start;
     }
-    found.collision.looks = met.collision.looks + collision.looks;
+    found.collision.evaluations = met.collision.evaluations + collision.evaluations;
     return found;
 }
 
-// What is left of light from a position in the first volume on for so many steps, and the looks so far.
+// What is left of light from a position in the first volume on for so many steps, and the evaluations so far.
 fn lessened(left: vec4<f32>, first: vec3<f32>, forward: vec3<f32>, most: f32) -> vec4<f32> {
     let part = part_from(first, forward);
     var flight = part.flight;

@@ -35,7 +35,7 @@ fn aim_of(pixel: vec2<u32>) -> Aim {
 
 struct Light {
     radiance: vec3<f32>,
-    looks: u32,
+    evaluations: u32,
 }
 
 // Light that comes straight from a light or from the sky, of which one is asked.
@@ -89,7 +89,7 @@ fn lights_met(p: vec3<f32>, direction: vec3<f32>, way: f32, density: f32, source
 // What a path brought.
 struct Found {
     radiance: vec3<f32>,
-    looks: u32,
+    evaluations: u32,
     // Whether it came to any volume, and to matter there.
     is_met: bool,
     has_collided: bool,
@@ -116,7 +116,7 @@ fn follow(aim: Aim) -> Found {
         let next = encounter(way, throughput);
         let collision = next.collision;
         throughput = collision.carried;
-        found.looks += collision.looks;
+        found.evaluations += collision.evaluations;
         if scatterings > 0u {
             let met = lights_met(in_first(layer, p), forward, collision.distance, density, sources);
             found.radiance += throughput * met;
@@ -147,7 +147,7 @@ fn follow(aim: Aim) -> Found {
         }
         let light = direct(layer, p, vertex, sources);
         found.radiance += throughput * light.radiance;
-        found.looks += light.looks;
+        found.evaluations += light.evaluations;
         forward = vertex_sample(layer, vertex);
         density = vertex_density(layer, vertex, forward);
         if !(density > 0.0) {
@@ -201,7 +201,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     state.color += vec4<f32>(found.radiance, select(0.0, 1.0, found.has_collided));
     state.place += vec4<f32>(found.passed, 0.0);
-    state.counts.x += found.looks;
+    state.counts.x += found.evaluations;
     state.counts.y += select(0u, 1u, found.has_collided);
     // Mean and variance as they come (Welford 1962).
     let brightness = luminance(found.radiance);

@@ -211,7 +211,7 @@ fn collide(flight: Flight, carried: vec3<f32>) -> Collision {
         if majorant == 0.0 {
             break;
         }
-        found.looks += 1u;
+        found.evaluations += 1u;
         let p = flight.origin + flight.direction * tracking.distance;
         let value = field_value(p);
         let matter = matter_at(p, value);
@@ -223,27 +223,27 @@ fn collide(flight: Flight, carried: vec3<f32>) -> Collision {
             is_real = decide(&left, min(paths.chroma.rgb * chance, vec3<f32>(1.0)));
         }
         if is_real {
-            return Collision(tracking.distance, value, matter, left, found.looks);
+            return Collision(tracking.distance, value, matter, left, found.evaluations);
         }
     }
     found.carried = left;
     return found;
 }
 
-// An estimate of the share of each colour that gets through, by ratio tracking (Novak et al. 2014), and the looks it
+// An estimate of the share of each colour that gets through, by ratio tracking (Novak et al. 2014), and the evaluations it
 // took.
 fn transmittance(flight: Flight) -> vec4<f32> {
     // Below this, a transmittance is left to chance: what gets through is rare and worth as much more.
     const FAINT: f32 = 0.05;
     var tracking = begin_tracking(flight);
     var share = vec3<f32>(1.0);
-    var looks = 0.0;
+    var evaluations = 0.0;
     while any(share > vec3<f32>(0.0)) {
         let majorant = next_collision(&tracking, flight);
         if majorant == 0.0 {
             break;
         }
-        looks += 1.0;
+        evaluations += 1.0;
         let p = flight.origin + flight.direction * tracking.distance;
         let matter = matter_at(p, field_value(p));
         share *= 1.0 - min(paths.chroma.rgb * (matter.a / majorant), vec3<f32>(1.0));
@@ -252,5 +252,5 @@ fn transmittance(flight: Flight) -> vec4<f32> {
             share *= select(FAINT / most, 0.0, random() * FAINT >= most);
         }
     }
-    return vec4<f32>(share, looks);
+    return vec4<f32>(share, evaluations);
 }

@@ -34,7 +34,7 @@ fn encounter(way: array<Part, COUNT>, carried: vec3<f32>) -> Encounter {
 }
 
 // The share of each colour that gets through from a position in a volume along a unit vector of the world for so many
-// steps, and the looks that it took.
+// steps, and the evaluations that it took.
 fn transmittance_from(layer: u32, p: vec3<f32>, forward: vec3<f32>, most: f32) -> vec4<f32> {
     return transmittance_through(vec4<f32>(1.0, 1.0, 1.0, 0.0), in_first(layer, p), forward, most);
 }
