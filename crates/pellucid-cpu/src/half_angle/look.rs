@@ -10,7 +10,7 @@ use super::buffer::LightBuffer;
 use super::crossing::{Crossing, Crossings, UNASKED, slabs_of};
 use super::eye::{Attenuation, Eye};
 use super::optics::SlabOptics;
-use super::pieces::{Met, Share, end_of_piece, leap, leap_back, shares};
+use super::pieces::{MetLayer, Share, end_of_piece, leap, leap_back, shares};
 use crate::chroma;
 use crate::element::Element;
 use crate::field::{Field, lane_position};
@@ -200,7 +200,7 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
     }
 
     /// The layers, with rays in each.
-    fn met<'m>(&'m self, rays: impl Iterator<Item = &'m Crossings<S>>) -> Vec<Met<'m, 'a, S, F>> {
+    fn met<'m>(&'m self, rays: impl Iterator<Item = &'m Crossings<S>>) -> Vec<MetLayer<'m, 'a, S, F>> {
         self.layers.iter().map(|eye| &eye.medium).zip(rays).collect()
     }
 
@@ -208,7 +208,7 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
     #[inline(never)]
     fn together(
         &self,
-        (met, lines): (&[Met<S, F>], &[LayerRay<S>]),
+        (met, lines): (&[MetLayer<S, F>], &[LayerRay<S>]),
         [open, backward]: [Mask<S>; 2],
         light: (usize, &LightBuffer),
     ) -> (Mask<S>, Option<SlabElement<S>>) {
@@ -345,7 +345,7 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
 
     /// Normals of the layer that has most opacity at coordinates.
     #[inline(never)]
-    fn normals_of_densest(&self, met: &[Met<S, F>], half: F32<S>, lanes: Mask<S>) -> Vec3<S> {
+    fn normals_of_densest(&self, met: &[MetLayer<S, F>], half: F32<S>, lanes: Mask<S>) -> Vec3<S> {
         let s = self.first().s;
         s.vectorize(
             #[inline(always)]
@@ -376,7 +376,7 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
     /// Coordinates at which opacity first reaches one half, infinite if never: rays whose last slabs were seen first
     /// are followed once more.
     #[inline(always)]
-    fn half_from_eye(&self, met: &[Met<S, F>], slabs: Range<usize>, lanes: Mask<S>) -> F32<S> {
+    fn half_from_eye(&self, met: &[MetLayer<S, F>], slabs: Range<usize>, lanes: Mask<S>) -> F32<S> {
         let s = self.first().s;
         let (mut found, mut transmittance, mut open) = (splat(s, f32::INFINITY), splat(s, 1.0), lanes);
         let mut end = slabs.end;
@@ -399,7 +399,7 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
 
     /// What gets through a slab to the eye, and the coordinate of what is there; infinite where nothing is.
     #[inline(never)]
-    fn left_of(&self, met: &[Met<S, F>], k: usize, lanes: Mask<S>) -> [F32<S>; 2] {
+    fn left_of(&self, met: &[MetLayer<S, F>], k: usize, lanes: Mask<S>) -> [F32<S>; 2] {
         let s = self.first().s;
         s.vectorize(
             #[inline(always)]

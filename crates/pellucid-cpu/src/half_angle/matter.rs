@@ -8,7 +8,7 @@ use super::band::{Band, TILE};
 use super::crossing::{Crossings, Passage, UNASKED};
 use super::lengths::Lengths;
 use super::optics::{SlabOptics, SlabSample};
-use super::pieces::{Met, end_of_piece, leap, shares};
+use super::pieces::{MetLayer, end_of_piece, leap, shares};
 use crate::chroma;
 use crate::classify::Post;
 use crate::field::Field;
@@ -104,7 +104,7 @@ pub fn look_up<S: Lanes, F: Field<S>>(layers: &[Matter<S, F>], overlap: Overlap,
                 for crossing in packet.layers() {
                     rays.push(Crossings::new(s, crossing));
                 }
-                let met: Vec<Met<S, F>> = layers.iter().map(|matter| &matter.medium).zip(&rays).collect();
+                let met: Vec<MetLayer<S, F>> = layers.iter().map(|matter| &matter.medium).zip(&rays).collect();
                 let at = number * width::<S>();
                 let mut k = packet.next.max(run.start);
                 while k < run.end.min(packet.last) {
@@ -134,7 +134,7 @@ pub fn look_up<S: Lanes, F: Field<S>>(layers: &[Matter<S, F>], overlap: Overlap,
 fn store_together<'m, 'a: 'm, S: Lanes, F: Field<S>>(
     layers: &[Matter<'a, S, F>],
     overlap: Overlap,
-    met: &[Met<'m, 'a, S, F>],
+    met: &[MetLayer<'m, 'a, S, F>],
     k: usize,
     to: &mut [f32],
 ) -> bool {

@@ -11,7 +11,7 @@ use crate::lanes::*;
 use crate::medium::{OneGrid, settle};
 
 /// A layer, and rays as they cross slabs in it.
-pub type Met<'m, 'a, S, F> = (&'m OneGrid<'a, S, &'a F, SlabOptics<'a>>, &'m Crossings<S>);
+pub type MetLayer<'m, 'a, S, F> = (&'m OneGrid<'a, S, &'a F, SlabOptics<'a>>, &'m Crossings<S>);
 
 /// What one of several layers holds where rays pass: as much as the rule of their overlap leaves of it.
 pub struct Share<S: Lanes> {
@@ -25,7 +25,7 @@ pub struct Share<S: Lanes> {
 
 /// Where the pieces end that begin at coordinates of a slab.
 #[inline(always)]
-pub fn end_of_piece<S: Lanes, F>(layers: &[Met<S, F>], front: F32<S>, mut back: F32<S>) -> F32<S> {
+pub fn end_of_piece<S: Lanes, F>(layers: &[MetLayer<S, F>], front: F32<S>, mut back: F32<S>) -> F32<S> {
     for (_, rays) in layers {
         back = rays.border(front, back);
     }
@@ -38,7 +38,7 @@ pub fn end_of_piece<S: Lanes, F>(layers: &[Met<S, F>], front: F32<S>, mut back: 
 pub fn shares<'m, 'a: 'm, S: Lanes, F: Field<S> + 'a>(
     s: S,
     overlap: Overlap,
-    layers: &[Met<'m, 'a, S, F>],
+    layers: &[MetLayer<'m, 'a, S, F>],
     passage: impl Fn(&Crossings<S>) -> Passage<S>,
     ratio: impl Fn(&Passage<S>) -> F32<S>,
 ) -> (Mask<S>, Vec<Share<S>>) {
@@ -64,7 +64,7 @@ pub fn shares<'m, 'a: 'm, S: Lanes, F: Field<S> + 'a>(
 
 /// How many slabs from slab k on, itself included, certainly add nothing in any layer.
 #[inline(always)]
-pub fn leap<'m, 'a: 'm, S: Lanes, F: Field<S> + 'a>(layers: &[Met<'m, 'a, S, F>], k: usize) -> usize {
+pub fn leap<'m, 'a: 'm, S: Lanes, F: Field<S> + 'a>(layers: &[MetLayer<'m, 'a, S, F>], k: usize) -> usize {
     let mut least = usize::MAX;
     for (OneGrid { s, skip, .. }, rays) in layers {
         let Some(skip) = skip else { return 0 };
@@ -83,7 +83,7 @@ pub fn leap<'m, 'a: 'm, S: Lanes, F: Field<S> + 'a>(layers: &[Met<'m, 'a, S, F>]
 
 /// The same from slab k back.
 #[inline(always)]
-pub fn leap_back<'m, 'a: 'm, S: Lanes, F: Field<S> + 'a>(layers: &[Met<'m, 'a, S, F>], k: usize) -> usize {
+pub fn leap_back<'m, 'a: 'm, S: Lanes, F: Field<S> + 'a>(layers: &[MetLayer<'m, 'a, S, F>], k: usize) -> usize {
     let mut least = usize::MAX;
     for (OneGrid { s, skip, .. }, rays) in layers {
         let Some(skip) = skip else { return 0 };

@@ -95,10 +95,10 @@ impl<S: Lanes> Arrivals<'_, S> {
                 halfway: halfway[place],
                 radiance: xyz!(C => share[C] * light.radiance[C]),
                 specular: light.specular,
-                along: match along {
-                    Some(along) => Some(along[place]),
-                    None => None,
-                },
+                along: along.as_ref().map(
+                    #[inline(always)]
+                    |along| along[place],
+                ),
             });
         }
         for (number, light) in local {

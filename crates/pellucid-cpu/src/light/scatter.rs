@@ -37,10 +37,10 @@ impl<'a> Scatter<'a> {
     /// The factor of a light's radiance at cosines `mu`, where the anisotropy is the same everywhere.
     #[inline(always)]
     pub fn along<S: Lanes>(&self, s: S, mu: F32<S>) -> Option<[F32<S>; 3]> {
-        match self.uniform {
-            Some(g) => Some(self.weight(s, splat(s, g), mu, all(s, true))),
-            None => None,
-        }
+        self.uniform.map(
+            #[inline(always)]
+            |g| self.weight(s, splat(s, g), mu, all(s, true)),
+        )
     }
 
     /// Gradient magnitudes between which a cloud turns into a surface, if gradients decide.

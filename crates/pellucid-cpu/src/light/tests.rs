@@ -151,6 +151,6 @@ fn shading_is_told_of_the_opacity_in_front_the_gradient_and_the_value() {
         let layers = vec![prepared[0].with_medium(s, sampler(), told(), AmongOthers)];
         let many = Many { s, layers, overlap: Overlap::Add, accumulation: ACCUMULATION, step: stage.step };
         let [packet] = packets;
-        assert_near(trace(&many, &[emitter.around(&[packet.clone()]), packet]), expected(&[1.0; 32], RUN));
+        assert_near(trace(&many, &[emitter.around(std::slice::from_ref(&packet)), packet]), expected(&[1.0; 32], RUN));
     }
 }
