@@ -5,7 +5,7 @@ use std::ops::Range;
 use pellucid_field::Grid;
 use pellucid_plan::half_angle::Slabs;
 
-use super::crossing::{Crossing, Crossings, slabs_of};
+use super::crossing::{Crossing, slabs_of};
 use crate::lanes::{self, *};
 use crate::packet::Packet;
 use crate::rays::Emitter;
@@ -32,7 +32,7 @@ pub struct Band {
     /// Texels per row, and numbers per texel.
     pub width: usize,
     pub channels: usize,
-    /// For every slab of a run the opacities on the light's way, and if there is indirect light the three of it, too:
+    /// For every slab of a run the opacities on the light's way, and the three of indirect light where those are others:
     /// texel by texel, as light lies in its buffer.
     pub opacities: Vec<Vec<f32>>,
     /// For every slab of a run, which tiles hold anything; opacities are zero elsewhere.
@@ -104,6 +104,11 @@ impl Band {
         self.held[number][tile]
     }
 
+    /// How many numbers a texel has.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
     /// Opacities of texels of a row, by the slab's number in the run.
     #[inline(always)]
     pub fn opacities(&self, number: usize, row: usize, columns: &Range<usize>) -> &[f32] {
@@ -120,11 +125,5 @@ impl Band {
                 }
             }
         }
-    }
-
-    /// The rays of texels, by their place in the band.
-    #[inline(always)]
-    pub fn rays<S: Lanes>(&self, s: S, at: usize) -> Crossings<S> {
-        Crossings::new(s, &self.packets[at / width::<S>()].crossings[0])
     }
 }

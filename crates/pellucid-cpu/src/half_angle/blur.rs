@@ -3,198 +3,191 @@
 
 use pellucid_scene::InScatter;
 
-use super::band::Band;
-use super::buffer::{LightBuffer, MOST_CHANNELS, Shape, texels};
-use super::frame::Project;
-use super::step::{Radius, Step};
+use super::buffer::{LightBuffer, MOST_CHANNELS, Shape, each_channel, each_texel, texels};
+use super::looks::{Looks, Radius, Share};
+use super::step::Step;
 use crate::lanes::*;
-use crate::packet::PerLane;
 
 /// The looks around the texels of a slab.
 pub struct Blur<'a, S: Lanes> {
     step: &'a Step<'a, S>,
     light: &'a LightBuffer,
-    /// From any texel; none where the radius differs from texel to texel.
-    taps: Vec<Tap>,
-}
-
-/// A look between four texels.
-#[derive(Clone, Copy)]
-struct Tap {
-    /// From a texel to the first of the four.
-    offset: isize,
-    /// Shares of the four: side by side, and a row further.
-    weights: [f32; 4],
-}
-
-/// Where looks from texels side by side are, in texels from each: their middle, and how far away from it.
-struct Around {
-    middle: [PerLane; 2],
-    radius: [PerLane; 2],
+    fresh: F32<S>,
+    /// Channels of which only what comes from matter counts.
+    gated: Mask<S>,
 }
 
 impl<'a, S: Lanes> Blur<'a, S> {
-    /// Of light, as a step says.
+    /// Of light that lies in whole texels, as a step says; with what it is as it enters, texel by texel.
     #[inline(always)]
-    pub fn new(step: &'a Step<'a, S>, light: &'a LightBuffer) -> Self {
-        let taps = match step.radius {
-            Radius::Path { .. } => Vec::new(),
-            Radius::Texels(radius) => taps(step.offsets, [0.0; 2], radius, &light.shape).collect(),
-        };
-        Self { step, light, taps }
+    pub fn new(step: &'a Step<'a, S>, light: &'a LightBuffer, fresh: F32<S>) -> Self {
+        let s = step.s;
+        let everything = if step.in_scatter == InScatter::BothFromMatter { 1.0 } else { 0.0 };
+        let gated = load(s, &each_texel([1.0, everything, everything, everything])).simd_gt(splat(s, 0.5));
+        Self { step, light, fresh, gated }
     }
 
-    /// What is lost around the texels of a row from `[x, y]` on, row `row` of a band; with what direct light
-    /// adds to indirect light of these opacities (6.3-7).
+    /// What is lost around as many texels of a row as there are lanes, from `[x, y]` on: texel by texel, as light lies in
+    /// its buffer.
     #[inline(always)]
-    pub fn spread(&self, to: &mut [f32], [x, y]: [usize; 2], opacity: &[f32], (band, row): (&Band, usize)) {
-        let in_scatter = self.step.in_scatter;
-        let gated = matches!(in_scatter, InScatter::DirectFromMatter | InScatter::BothFromMatter);
-        match self.taps.is_empty() || gated {
-            true => self.one_by_one(to, [x, y], (band, row)),
-            false => self.side_by_side(to, self.light.shape.at(x, y)),
-        }
-        if in_scatter == InScatter::Indirect {
-            return;
-        }
-        for (lost, opacity) in to.chunks_exact_mut(MOST_CHANNELS).zip(opacity.chunks_exact(MOST_CHANNELS)) {
-            // Of each colour, what is left of direct light and what of it gets through.
-            let [direct, transmittance] = [1.0 - lost[0], 1.0 - opacity[0]].map(|left| match self.step.chroma {
-                None => [left; 3],
-                Some(chroma) => chroma.each(left),
-            });
-            for channel in 0..3 {
-                // Light that becomes indirect on the way loses the rest of the way as such. As a share of what gets
-                // through all of it, which the slab takes next.
-                let passing = 1.0 - opacity[channel + 1];
-                let scattered = if passing > 0.0 { (1.0 - transmittance[channel] / passing).max(0.0) } else { 0.0 };
-                lost[channel + 1] -= scattered * self.step.phase[channel] * direct[channel];
-            }
-        }
-    }
-
-    /// The means of looks at the same offsets from all texels.
-    #[inline(always)]
-    fn side_by_side(&self, to: &mut [f32], from: usize) {
-        let (s, stride) = (self.step.s, self.light.shape.stride);
-        let share = 1.0 / self.taps.len() as f32;
-        for (number, tap) in self.taps.iter().enumerate() {
-            let weights = rgba!(C => splat(s, tap.weights[C] * share));
-            let corner = from.wrapping_add_signed(tap.offset);
-            let rows = [corner, corner + 1, corner + stride, corner + stride + 1];
-            let length = to.len();
-            let [a, b, c, d] = rgba!(C => &self.light.lost[rows[C] * MOST_CHANNELS..][..length]);
-            for at in (0..length).step_by(width::<S>()) {
-                let mut sum = texels(s, a, at) * weights[0];
-                if number > 0 {
-                    sum += texels(s, to, at);
-                }
-                sum = texels(s, b, at).mul_add(weights[1], sum);
-                sum = texels(s, c, at).mul_add(weights[2], sum);
-                sum = texels(s, d, at).mul_add(weights[3], sum);
-                sum.store_slice(&mut to[at..at + width::<S>()]);
-            }
-        }
-    }
-
-    /// The means of looks that are not alike, and of light from matter.
-    #[inline(always)]
-    fn one_by_one(&self, to: &mut [f32], [x, y]: [usize; 2], (band, row): (&Band, usize)) {
-        let shape = &self.light.shape;
-        for (group, to) in to.chunks_mut(width::<S>() * MOST_CHANNELS).enumerate() {
-            let x = x + group * width::<S>();
-            let around = self.around([x, y], row * shape.width + x, band);
-            for (lane, to) in to.chunks_exact_mut(MOST_CHANNELS).enumerate() {
-                let at = shape.at(x + lane, y);
-                let mean = match &around {
-                    None => self.mean(at, self.taps.iter().copied()),
-                    Some(Around { middle, radius }) => {
-                        let [middle, radius] = [middle, radius].map(|sides| [sides[0][lane], sides[1][lane]]);
-                        self.mean(at, taps(self.step.offsets, middle, radius, shape))
+    pub fn around(&self, [x, y]: [usize; 2]) -> [F32<S>; MOST_CHANNELS] {
+        let (s, shape) = (self.step.s, &self.light.shape);
+        let from = shape.at(x, y) * MOST_CHANNELS;
+        match &self.step.looks {
+            Looks::Alike(shares) => self.alike(from, shares),
+            Looks::Each(offsets, radius) => {
+                let radius = match radius {
+                    Radius::Texels([right, up]) => [splat(s, *right), splat(s, *up)],
+                    Radius::Each(own, [right, up]) => {
+                        let own = texels(s, own, y * shape.width + x);
+                        [own * *right, own * *up]
                     }
                 };
-                to.copy_from_slice(&mean);
+                self.each(from, offsets, &radius)
             }
         }
     }
 
-    /// Where looks are, if that is not the same from all texels.
     #[inline(always)]
-    fn around(&self, [x, y]: [usize; 2], at: usize, band: &Band) -> Option<Around> {
+    fn alike(&self, from: usize, shares: &[Share]) -> [F32<S>; MOST_CHANNELS] {
         let s = self.step.s;
-        let Radius::Path { frame, scale, root, step } = self.step.radius else { return None };
-        let rays = band.rays(s, at);
-        let [place, density] = frame.texels(s, &rays.at(splat(s, self.step.slab as f32 + 0.5)));
-        let mut path = rays.stretch() * step;
-        if root {
-            path = path.sqrt();
+        let mut sum = [splat(s, 0.0); MOST_CHANNELS];
+        for share in shares {
+            let lost = block::<S>(&self.light.lost, from.wrapping_add_signed(share.offset * MOST_CHANNELS as isize));
+            sum = plus(s, sum, lost, &[splat(s, share.weight); MOST_CHANNELS]);
         }
-        let [mut middle, mut radius] = [[[0.0; MOST_LANES]; 2]; 2];
-        for axis in 0..2 {
-            store::<S>(place[axis], &mut middle[axis]);
-            store::<S>(path * scale * density[axis], &mut radius[axis]);
-        }
-        for lane in 0..width::<S>() {
-            for (axis, texel) in [x + lane, y].into_iter().enumerate() {
-                // Texels without a ray have no way either.
-                let middle = &mut middle[axis][lane];
-                *middle = if middle.is_finite() { *middle - (texel as f32 + 0.5) } else { 0.0 };
-            }
-        }
-        Some(Around { middle, radius })
+        sum
     }
 
-    /// What is missing of the mean light at taps from a texel, of what comes from matter where only that counts.
     #[inline(always)]
-    fn mean(&self, from: usize, taps: impl ExactSizeIterator<Item = Tap>) -> [f32; MOST_CHANNELS] {
-        let share = 1.0 / taps.len() as f32;
-        let stride = self.light.shape.stride;
-        let mut sum = [0.0; MOST_CHANNELS];
-        for tap in taps {
-            let corner = from.wrapping_add_signed(tap.offset);
-            let texels = [corner, corner + 1, corner + stride, corner + stride + 1];
-            let mut lost = [0.0; MOST_CHANNELS];
-            for (at, weight) in texels.into_iter().zip(tap.weights) {
-                let texel = &self.light.lost[at * MOST_CHANNELS..][..MOST_CHANNELS];
-                lost.iter_mut().zip(texel).for_each(|(lost, texel)| *lost += weight * texel);
-            }
-            if let Some(presence) = self.step.presence {
-                let matter: f32 = texels.into_iter().zip(tap.weights).map(|(at, weight)| weight * presence[at]).sum();
-                let gated = if self.step.in_scatter == InScatter::BothFromMatter { MOST_CHANNELS } else { 1 };
-                for (lost, fresh) in lost.iter_mut().zip(&self.light.fresh).take(gated) {
-                    *lost = fresh - (fresh - *lost) * matter;
+    fn each(&self, from: usize, offsets: &[[f32; 2]], radius: &[F32<S>; 2]) -> [F32<S>; MOST_CHANNELS] {
+        let (s, looks) = (self.step.s, offsets.len().max(1));
+        let mut sum = [splat(s, 0.0); MOST_CHANNELS];
+        for look in 0..looks {
+            let [right, up] = if offsets.is_empty() { [0.0; 2] } else { offsets[look] };
+            let lost = self.look(from, [radius[0] * right, radius[1] * up]);
+            sum = rgba!(C => sum[C] + lost[C]);
+        }
+        rgba!(C => sum[C] * (1.0 / looks as f32))
+    }
+
+    /// What is lost so many texels away from as many as there are lanes, of what comes from matter where only that
+    /// counts.
+    #[inline(always)]
+    fn look(&self, from: usize, [x, y]: [F32<S>; 2]) -> [F32<S>; MOST_CHANNELS] {
+        let (s, Shape { pad, stride, .. }) = (self.step.s, self.light.shape);
+        let (zero, one) = (splat(s, 0.0), splat(s, 1.0));
+        // Within what lies around the picture, whatever these numbers are.
+        let (low, high) = (splat(s, -(pad as f32)), splat(s, (pad as f32 - 1.0).next_down()));
+        let (x, y) = (x.max_precise(low).min(high), y.max_precise(low).min(high));
+        let (column, row) = (x.floor(), y.floor());
+        let (u, v) = (x - column, y - row);
+        let weights = [(one - u) * (one - v), u * (one - v), (one - u) * v, u * v];
+        let offset = row.to_int::<I32<S>>() * stride as i32 + column.to_int::<I32<S>>();
+        let (mut lost, mut matter, mut left) = ([zero; MOST_CHANNELS], [zero; MOST_CHANNELS], all(s, true));
+        // Texels side by side look between the same four, or nearly always.
+        while left.any_true() {
+            let first = offset[left.to_bitmask().trailing_zeros() as usize];
+            let same = left & offset.simd_eq(first);
+            left &= !same;
+            let near = from.wrapping_add_signed(first as isize * MOST_CHANNELS as isize);
+            let far = near + stride * MOST_CHANNELS;
+            for (at, weight) in [near, near + MOST_CHANNELS, far, far + MOST_CHANNELS].into_iter().zip(weights) {
+                let weight = each_channel::<S>(same.select(weight, zero));
+                lost = plus(s, lost, block::<S>(&self.light.lost, at), &weight);
+                if let Some(presence) = self.step.presence {
+                    matter = plus(s, matter, block::<S>(presence, at), &weight);
                 }
             }
-            sum.iter_mut().zip(lost).for_each(|(sum, lost)| *sum += lost);
         }
-        sum.map(|sum| sum * share)
+        if self.step.presence.is_none() {
+            return lost;
+        }
+        rgba!(C => self.gated.select(self.fresh - (self.fresh - lost[C]) * matter[C], lost[C]))
     }
 }
 
-/// Looks at offsets, as shares of a radius, from a place beside a texel; one at the place itself if there are none.
+/// The numbers of as many texels as there are lanes, from one on.
 #[inline(always)]
-fn taps<'a>(
-    offsets: &'a [[f32; 2]],
-    middle: [f32; 2],
-    radius: [f32; 2],
-    shape: &'a Shape,
-) -> impl ExactSizeIterator<Item = Tap> + 'a {
-    let offset = move |number: usize| offsets.get(number).copied().unwrap_or_default();
-    (0..offsets.len().max(1)).map(move |number| {
-        let [x, y] = [0, 1].map(|axis| radius[axis].mul_add(offset(number)[axis], middle[axis]));
-        Tap::new([x, y], shape)
-    })
+fn block<S: Lanes>(numbers: &[f32], from: usize) -> &[f32] {
+    &numbers[from..from + MOST_CHANNELS * width::<S>()]
 }
 
-impl Tap {
-    /// At an offset in texels, limited to what lies around the picture.
-    #[inline(always)]
-    fn new(offset: [f32; 2], shape: &Shape) -> Self {
-        let pad = shape.pad as f32;
-        let [x, y] = offset.map(|offset| offset.max(-pad).min((pad - 1.0).next_down()));
-        let (column, row) = (x.floor(), y.floor());
-        let [u, v] = [x - column, y - row];
-        let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
-        Self { offset: row as isize * shape.stride as isize + column as isize, weights }
+/// A sum with numbers of texels added to it, each by its weight.
+#[inline(always)]
+fn plus<S: Lanes>(
+    s: S,
+    sum: [F32<S>; MOST_CHANNELS],
+    numbers: &[f32],
+    weights: &[F32<S>; MOST_CHANNELS],
+) -> [F32<S>; MOST_CHANNELS] {
+    rgba!(C => texels(s, numbers, C * width::<S>()).mul_add(weights[C], sum[C]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_random::random;
+
+    fn mean<S: Lanes>(s: S, gated: Option<InScatter>) {
+        let mut random = random();
+        let shape = Shape::new([40, 7], 5);
+        let mut light = LightBuffer::new(shape, Some(0.7));
+        light.lost.iter_mut().for_each(|lost| *lost = random().abs() as f32);
+        let presence: Vec<f32> =
+            (0..shape.len()).flat_map(|_| [if random() > 0.0 { 1.0 } else { 0.0 }; MOST_CHANNELS]).collect();
+        let step = Step {
+            s,
+            number: 0,
+            looks: Looks::Each(&[], Radius::Texels([0.0; 2])),
+            chroma: None,
+            in_scatter: gated.unwrap_or_default(),
+            phase: [1.0; 3],
+            presence: gated.map(|_| presence.as_slice()),
+        };
+        let blur = Blur::new(&step, &light, load(s, &each_texel([1.0, 0.7, 0.7, 0.7])));
+        for _ in 0..100 {
+            let (mut x, mut y) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+            for (x, y) in x.iter_mut().zip(&mut y) {
+                // Beyond what lies around the picture, too.
+                (*x, *y) = (random() as f32 * 6.0, random() as f32 * 0.6 + 2.0);
+            }
+            let [column, row] = [16, 3];
+            let found = blur.look(shape.at(column, row) * MOST_CHANNELS, [load(s, &x), load(s, &y)]);
+            for lane in 0..width::<S>() {
+                let pad = shape.pad as f64;
+                let [u, v] = [x[lane], y[lane]].map(|place| f64::from(place).clamp(-pad, pad - 1.0 - 1e-6));
+                for channel in 0..MOST_CHANNELS {
+                    let [mut lost, mut matter] = [0.0; 2];
+                    for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+                        let weight = (1.0 - (u - u.floor() - dx).abs()) * (1.0 - (v - v.floor() - dy).abs());
+                        let place = [(u.floor() + dx) as isize, (v.floor() + dy) as isize];
+                        let at = shape.at(column + lane, row) as isize + place[1] * shape.stride as isize + place[0];
+                        let at = at as usize * MOST_CHANNELS + channel;
+                        lost += weight * f64::from(light.lost[at]);
+                        matter += weight * f64::from(presence[at]);
+                    }
+                    let fresh = f64::from(light.fresh[channel]);
+                    let is_gated = match gated {
+                        None => false,
+                        Some(gated) => channel == 0 || gated == InScatter::BothFromMatter,
+                    };
+                    let exact = if is_gated { fresh - (fresh - lost) * matter } else { lost };
+                    let number = lane * MOST_CHANNELS + channel;
+                    let found = found[number / width::<S>()][number % width::<S>()];
+                    assert!((f64::from(found) - exact).abs() < 1e-5, "{gated:?}: {found}, exact {exact}");
+                }
+            }
+        }
+    }
+
+    /// Each texel by itself, in f64.
+    #[test]
+    fn looks_find_what_lies_between_texels() {
+        for gated in [None, Some(InScatter::DirectFromMatter), Some(InScatter::BothFromMatter)] {
+            for set in InstructionSet::ALL.into_iter().filter_map(InstructionSet::resolve) {
+                dispatch!(set, s => mean(s, gated));
+            }
+        }
     }
 }

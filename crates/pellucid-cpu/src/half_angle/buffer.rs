@@ -76,11 +76,6 @@ impl LightBuffer {
         Self { shape, lost: vec![0.0; shape.len() * fresh.len()], fresh }
     }
 
-    /// How many numbers a texel has if so much `indirect` light enters, if that is some.
-    pub fn channels_of(indirect: Option<f32>) -> usize {
-        if indirect.is_some() { MOST_CHANNELS } else { 1 }
-    }
-
     /// How many numbers a texel has.
     #[inline(always)]
     pub fn channels(&self) -> usize {
@@ -148,6 +143,29 @@ impl LightBuffer {
         });
         Light { direct: fresh(0) - lost[0], indirect: Some(xyz!(C => fresh(C + 1) - lost[C + 1])) }
     }
+}
+
+/// The same four numbers for every texel, lane by lane.
+#[inline(always)]
+pub fn each_texel(channels: [f32; MOST_CHANNELS]) -> [f32; MOST_LANES] {
+    let mut lanes = [0.0; MOST_LANES];
+    for (lane, number) in lanes.iter_mut().enumerate() {
+        *number = channels[lane % MOST_CHANNELS];
+    }
+    lanes
+}
+
+/// A number of every texel in each of its channels, texel by texel.
+#[inline(always)]
+pub fn each_channel<S: Lanes>(numbers: F32<S>) -> [F32<S>; MOST_CHANNELS] {
+    let (first, last) = (numbers.zip_low(numbers), numbers.zip_high(numbers));
+    [first.zip_low(first), first.zip_high(first), last.zip_low(last), last.zip_high(last)]
+}
+
+/// The first number of every texel in each of its channels; both texel by texel.
+#[inline(always)]
+pub fn first_channel<S: Lanes>([a, b, c, d]: [F32<S>; MOST_CHANNELS]) -> [F32<S>; MOST_CHANNELS] {
+    each_channel::<S>(a.unzip_low(b).unzip_low(c.unzip_low(d)))
 }
 
 /// Numbers of texels from a place on.

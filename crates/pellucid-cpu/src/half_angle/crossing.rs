@@ -198,12 +198,6 @@ impl<S: Lanes> Crossings<S> {
         [self.at(backward.select(self.to, self.from)), direction]
     }
 
-    /// Length of rays in a slab, in steps.
-    #[inline(always)]
-    pub fn stretch(&self) -> F32<S> {
-        self.stretch
-    }
-
     /// What rays pass of slab k.
     #[inline(always)]
     pub fn passage(&self, s: S, k: usize) -> Passage<S> {
@@ -239,9 +233,7 @@ impl<S: Lanes> Crossings<S> {
     #[inline(always)]
     fn least(&self, s: S, k: usize, open: Mask<S>, clear: impl FnOnce(&Vec3<S>) -> F32<S>) -> usize {
         let Passage { index, .. } = self.passage(s, k);
-        let clear = open.select(clear(&index), splat(s, f32::INFINITY));
-        let least = clear.as_slice().iter().copied().fold(f32::INFINITY, f32::min);
-        least as usize
+        open.select(clear(&index), splat(s, f32::INFINITY)).reduce_min() as usize
     }
 }
 

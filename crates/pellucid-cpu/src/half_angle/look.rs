@@ -105,9 +105,24 @@ struct LayerRay<S: Lanes> {
     beam: Option<Beam<S>>,
 }
 
+impl<S: Lanes> LayerRay<S> {
+    #[inline(always)]
+    fn new<F: Field<S>>(eye: &Eye<S, F>, crossing: &Crossing, to_eye: Vec3<S>, backward: Mask<S>) -> Self {
+        let rays = Crossings::new(eye.medium.s, crossing);
+        let beam = eye.beam(to_eye, &rays, backward);
+        Self { rays, beam }
+    }
+}
+
 impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
-    /// Looks at a run of slabs, each lit by what has come to it.
-    pub fn look(&self, packets: &mut [EyePacket], run: Range<usize>, lights: &[LightBuffer], tally: &mut Tally) {
+    /// Looks at a run of slabs, each lit by what has come to it. Returns the end of all rays that go on behind it.
+    pub fn look(
+        &self,
+        packets: &mut [EyePacket],
+        run: Range<usize>,
+        lights: &[LightBuffer],
+        tally: &mut Tally,
+    ) -> usize {
         self.first().s.vectorize(
             #[inline(always)]
             || {
@@ -116,6 +131,7 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
                 }
             },
         );
+        packets.iter().map(|packet| packet.last).filter(|last| *last > run.end).max().unwrap_or(0)
     }
 
     /// The first of the layers: what all have in common is told of it.
@@ -130,12 +146,22 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
         let (s, chroma) = (first.s, first.chroma.as_ref());
         let backward = load(s, &packet.backward).simd_gt(splat(s, 0.5));
         let to_eye = xyz!(I => load(s, &packet.to_eye[I]));
-        let mut lines = Vec::with_capacity(self.layers.len());
-        for (eye, crossing) in self.layers.iter().zip(&packet.crossings) {
-            let rays = Crossings::new(s, crossing);
-            let beam = eye.beam(to_eye, &rays, backward);
-            lines.push(LayerRay { rays, beam });
-        }
+        // A ray of a single volume needs no memory of its own.
+        let (single, several);
+        let lines: &[LayerRay<S>] = match (self.layers.as_slice(), packet.crossings.as_slice()) {
+            ([eye], [crossing]) => {
+                single = [LayerRay::new(eye, crossing, to_eye, backward)];
+                &single
+            }
+            (layers, crossings) => {
+                let mut lines = Vec::with_capacity(layers.len());
+                for (eye, crossing) in layers.iter().zip(crossings) {
+                    lines.push(LayerRay::new(eye, crossing, to_eye, backward));
+                }
+                several = lines;
+                &several
+            }
+        };
         let mut color = rgba!(C => load(s, &packet.color[C]));
         let [mut half, mut samples] = [load(s, &packet.half), load(s, &packet.samples)];
         let met = self.met(lines.iter().map(|line| &line.rays));
@@ -152,7 +178,7 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
             for k in k..stop {
                 let open = backward | color[3].simd_lt(splat(s, self.early_termination));
                 let light = (k, &lights[k - run.start]);
-                let seen = match (self.layers.as_slice(), lines.as_slice()) {
+                let seen = match (self.layers.as_slice(), lines) {
                     ([eye], [line]) => {
                         let passage = line.rays.passage(s, k);
                         let lanes = passage.lanes & open;
@@ -170,7 +196,7 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
                         )
                     }
                     _ => {
-                        let (lanes, seen) = self.together((&met, &lines), [open, backward], light);
+                        let (lanes, seen) = self.together((&met, lines), [open, backward], light);
                         samples = lanes.select(samples + 1.0, samples);
                         seen
                     }

@@ -40,6 +40,11 @@ impl<'a, S: Lanes, F: Field<S>> Matter<'a, S, F> {
         Self { medium: prepared.one_grid(s, field, optics, None), steps: lengths.steps }
     }
 
+    /// Whether indirect light, or any of its colours, loses something else than direct light.
+    pub fn tells_colors_apart(&self) -> bool {
+        self.medium.optics.transport.is_some() || self.medium.chroma.is_some()
+    }
+
     /// How much of the length that the tables are for rays pass: all of it, but where they enter or leave, and of near
     /// lights.
     #[inline(always)]

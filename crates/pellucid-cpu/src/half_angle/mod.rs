@@ -3,8 +3,8 @@
 //!
 //! Slabs lie halfway between the light and the eye (`pellucid_plan::half_angle`), and rays of both cross them in the
 //! same order (`crossing`). Light is a picture of the volume as the light sees it (`frame`, `buffer`): slab after slab it
-//! loses what the slab holds (`matter`, `advance`) and spreads (`blur`), and the eye looks at each slab in the light that
-//! has come to it (`eye`). Several lights are several sweeps, each with slabs of its own.
+//! loses what the slab holds (`matter`, `advance`) and spreads (`looks`, `blur`), and the eye looks at each slab in the
+//! light that has come to it (`eye`). Several lights are several sweeps, each with slabs of its own.
 //!
 //! A few slabs are a *run*. Their matter is looked up along rays of light, then light passes them one by one,
 //! leaving a buffer in front of each, and then the eye looks at them all, pixel by pixel: rays and colours stay
@@ -19,6 +19,7 @@ mod eye;
 mod frame;
 mod lengths;
 mod look;
+mod looks;
 mod matter;
 mod optics;
 mod pieces;
@@ -159,18 +160,20 @@ impl<S: Lanes> EyeSweep<'_, S> {
             false => Ok(drawing.packets(s, tile, (&emitter, &solids), columns, sub)),
         };
         let mut seen: Vec<Vec<EyePacket>> = tiles.all().par_iter().map(packets).collect::<Result<_, _>>()?;
-        let end = seen.iter().flatten().map(|packet| packet.slabs().end).max().unwrap_or(0);
-        for start in (0..end).step_by(length) {
+        let mut end = seen.iter().flatten().map(|packet| packet.slabs().end).max().unwrap_or(0);
+        let mut start = 0;
+        while start < end {
             let run = start..end.min(start + length);
             light.pass(run.clone(), cancelled)?;
-            tiles.all_mut().par_iter_mut().zip(&mut seen).try_for_each(|(tile, packets)| {
-                if control.is_cancelled() {
-                    return Err(RenderError::Cancelled);
-                }
-                eye.look(packets, run.clone(), light.buffers(), &mut tile.tally);
-                Ok(())
-            })?;
-            report(run.end as f64 / (end + length) as f64);
+            let look = |(tile, packets): (&mut Tile, &mut Vec<EyePacket>)| match control.is_cancelled() {
+                true => Err(RenderError::Cancelled),
+                false => Ok(eye.look(packets, run.clone(), light.buffers(), &mut tile.tally)),
+            };
+            let ends = tiles.all_mut().par_iter_mut().zip(&mut seen).map(look);
+            // Where nothing is left to be seen, no light is needed.
+            end = ends.try_reduce(|| 0, |a, b| Ok(a.max(b)))?;
+            start = run.end;
+            report(start as f64 / (end.max(start) + length) as f64);
         }
         let worlds: Vec<DAffine3> = layers.iter().map(|layer| layer.grid().world_from_index()).collect();
         let n = stage.quality.supersampling as f32;

@@ -3,14 +3,15 @@
 use std::ops::Range;
 
 use pellucid_field::Grid;
-use pellucid_plan::half_angle::{Geometry, Ways, into_cone, taps};
-use pellucid_scene::{BlurScaling, HalfAngle, InScatter, Overlap, Region};
+use pellucid_plan::half_angle::{Geometry, into_cone, taps};
+use pellucid_scene::{HalfAngle, InScatter, Overlap, Region};
 use rayon::prelude::*;
 
 use super::band::{BAND, Band, TILE, run_length};
-use super::buffer::{LightBuffer, Shape};
+use super::buffer::{LightBuffer, MOST_CHANNELS, Shape};
+use super::looks::{Looks, Reach};
 use super::matter::{Matter, look_up};
-use super::step::{Radius, Step};
+use super::step::Step;
 use super::work::{Seen, around, needed};
 use crate::RenderError;
 use crate::field::Field;
@@ -32,13 +33,13 @@ pub struct Sweep<'a, S, F> {
     buffers: Vec<LightBuffer>,
     /// Slabs of the run that was passed last.
     passed: usize,
-    /// 1 where something is, else 0, texel by texel, if light comes from there alone.
-    presence: Option<Vec<f32>>,
+    /// Where something is, if light comes from there alone.
+    presence: Option<Presence>,
     /// Tiles that differ from light as it entered, band by band.
     touched: Vec<bool>,
     /// The slabs up to which the light of tiles matters to anything.
     needed: Vec<usize>,
-    radius: Radius<'a>,
+    blur: Reach,
     /// Tiles that a blur reaches over in a slab.
     reach: usize,
     phase: [f32; 3],
@@ -58,25 +59,18 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
         cancelled: impl Fn() -> bool + Sync,
     ) -> Result<Self, RenderError> {
         let stop = || if cancelled() { Err(RenderError::Cancelled) } else { Ok(()) };
-        let Geometry { grid, frame, slabs, ways, longest } = geometry;
+        let Geometry { grid, frame, slabs, longest, .. } = geometry;
         let (s, step, voxel) = (layers[0].medium.s, prepared[0].stage.step, grid.smallest_spacing());
         let indirect = (settings.indirect > 0.0).then_some(settings.initial_indirect);
         let across = frame.finest(grid);
         let farthest = if indirect.is_some() { taps::radius(settings, *longest, voxel) * across } else { 0.0 };
         let pad = farthest.ceil() as usize + 2;
         let shape = Shape::new(frame.size, pad);
-        let root = settings.blur_scaling == BlurScaling::PerDistance;
-        let scale = taps::radius(settings, 1.0, voxel) as f32;
-        let radius = match ways {
-            Ways::Same(steps) => {
-                let path = (f64::from(*steps) * step).min(*longest);
-                Radius::Texels(frame.across(taps::radius(settings, path, voxel)))
-            }
-            Ways::From { .. } => Radius::Path { frame, scale, root, step: step as f32 },
-        };
         let tiles = shape.width.div_ceil(TILE);
         let run = run_length([shape.width, shape.height]);
-        let channels = LightBuffer::channels_of(indirect);
+        // Of what all light loses alike there is one opacity a texel.
+        let apart = indirect.is_some() && layers.iter().any(Matter::tells_colors_apart);
+        let channels = if apart { MOST_CHANNELS } else { 1 };
         let emitter = Emitter::of_light(frame, step, InstructionSet::of(s));
         let mut grids: Vec<Grid> = prepared.iter().map(|layer| *layer.grid()).collect();
         let mut solids: Vec<Solid> = prepared.iter().map(Prepared::solid).collect();
@@ -111,11 +105,11 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
             buffers: buffers.collect::<Result<_, _>>()?,
             layers,
             overlap: prepared[0].stage.overlap,
-            presence: (gated && indirect.is_some()).then(|| vec![0.0; shape.len()]),
+            presence: (gated && indirect.is_some()).then(|| Presence::new(&shape, tiles * bands.len())),
             touched: vec![false; tiles * bands.len()],
             bands,
             needed,
-            radius,
+            blur: indirect.map_or(Reach::Even([0.0; 2]), |_| Reach::new(settings, geometry, voxel, &shape)),
             reach,
             phase: into_cone(prepared[0].stage, settings),
         })
@@ -173,18 +167,16 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
         let Self { settings, layers, bands, buffers, presence, touched, needed, reach, .. } = self;
         let offsets = taps::offsets(settings, slab);
         if let Some(presence) = presence {
-            mark(bands, presence, &buffers[number].shape, number);
+            presence.mark(bands, &buffers[number].shape, number);
         }
         let step = Step {
             s: layers[0].medium.s,
-            slab,
             number,
-            offsets: &offsets,
-            radius: self.radius,
+            looks: Looks::new(&offsets, self.blur.in_slab(slab), presence.is_some(), &buffers[number].shape),
             chroma: layers[0].medium.chroma,
             in_scatter: settings.in_scatter,
             phase: self.phase,
-            presence: presence.as_deref(),
+            presence: presence.as_ref().map(|presence| presence.texels.as_slice()),
         };
         let [light, next] = &mut buffers[number..number + 2] else { return };
         let shape = light.shape;
@@ -219,16 +211,39 @@ fn bands_of<'a>(
     buffer[pad * stride * channels..(pad + height) * stride * channels].par_chunks_mut(BAND * stride * channels)
 }
 
-/// Marks where a slab holds something with 1, else 0; outside of the picture there is nothing.
-fn mark(bands: &[Band], presence: &mut [f32], shape: &Shape, number: usize) {
-    presence.fill(0.0);
-    bands_of(presence, shape, 1).zip(bands).for_each(|(rows, band)| {
-        for (row, texels) in rows.chunks_exact_mut(shape.stride).enumerate() {
-            let opacities = band.opacities(number, row, &(0..shape.width));
-            let direct = opacities.chunks_exact(opacities.len() / shape.width).map(|texel| texel[0]);
-            for (texel, opacity) in texels[shape.pad..].iter_mut().zip(direct) {
-                *texel = if opacity > 0.0 { 1.0 } else { 0.0 };
+/// Where a slab holds something.
+struct Presence {
+    /// 1 where something is, else 0, in every channel of a texel; outside of the picture there is nothing.
+    texels: Vec<f32>,
+    /// Tiles in which something is, band by band.
+    tiles: Vec<bool>,
+}
+
+impl Presence {
+    /// Nothing is anywhere.
+    fn new(shape: &Shape, tiles: usize) -> Self {
+        Self { texels: vec![0.0; shape.len() * MOST_CHANNELS], tiles: vec![false; tiles] }
+    }
+
+    /// Marks what a slab holds, by its number in the run.
+    fn mark(&mut self, bands: &[Band], shape: &Shape, number: usize) {
+        let Self { texels, tiles } = self;
+        let marks = tiles.par_chunks_mut(shape.width.div_ceil(TILE)).zip(bands);
+        bands_of(texels, shape, MOST_CHANNELS).zip(marks).for_each(|(rows, (marks, band))| {
+            for (tile, mark) in marks.iter_mut().enumerate() {
+                let was_marked = std::mem::replace(mark, band.holds(number, tile));
+                if !*mark && !was_marked {
+                    continue;
+                }
+                let columns = tile * TILE..shape.width.min((tile + 1) * TILE);
+                let first = (shape.pad + columns.start) * MOST_CHANNELS;
+                for (row, texels) in rows.chunks_exact_mut(shape.stride * MOST_CHANNELS).enumerate() {
+                    let opacities = band.opacities(number, row, &columns).chunks_exact(band.channels());
+                    for (texel, opacity) in texels[first..].chunks_exact_mut(MOST_CHANNELS).zip(opacities) {
+                        texel.fill(if opacity[0] > 0.0 { 1.0 } else { 0.0 });
+                    }
+                }
             }
-        }
-    });
+        });
+    }
 }
