@@ -11,7 +11,7 @@ use crate::integrator::Integrator;
 use crate::isosurface::Isosurfaces;
 use crate::lanes::{InstructionSet, Lanes, dispatch};
 use crate::light::Lighting;
-use crate::medium::{Integrals, OneGrid, Values, WithMedium};
+use crate::medium::{Integrals, OneGrid, ValueOptics, WithMedium};
 use crate::prepare::Prepared;
 use crate::projection::{Additive, Average, Extreme, XRay};
 use crate::reconstruct::WithField;
@@ -83,7 +83,7 @@ impl Prepared<'_> {
 
     fn extreme<'a, S: Lanes, F: Field<S> + 'a>(
         &'a self,
-        medium: OneGrid<'a, S, F, Values<'a>>,
+        medium: OneGrid<'a, S, F, ValueOptics<'a>>,
         minimum: bool,
     ) -> Extreme<'a, S, F> {
         Extreme { medium, blocks: self.grids.extremes.as_deref(), minimum }

@@ -6,7 +6,7 @@ use crate::element::Element;
 use crate::field::{Any, Field};
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
-use crate::medium::{Emission, OneGrid, Values};
+use crate::medium::{Emission, OneGrid, ValueOptics};
 use crate::packet::{Packet, Rays};
 use crate::samples::March;
 use crate::skip::ExtremeGrid;
@@ -14,7 +14,7 @@ use crate::skip::ExtremeGrid;
 /// The largest or the smallest value of the field on a ray: exact where the field is trilinear, whatever the step.
 pub struct Extreme<'a, S, F> {
     /// What lies along rays: values.
-    pub medium: OneGrid<'a, S, F, Values<'a>>,
+    pub medium: OneGrid<'a, S, F, ValueOptics<'a>>,
     /// Blocks, if those that cannot change the extreme are leapt over.
     pub blocks: Option<&'a ExtremeGrid>,
     /// Smallest instead of largest.
@@ -106,7 +106,7 @@ impl<S: Lanes, F: Field<S>> Extreme<'_, S, F> {
 /// The mean value.
 pub struct Average<'a, S, F> {
     /// What lies along rays: values.
-    pub medium: OneGrid<'a, S, F, Values<'a>>,
+    pub medium: OneGrid<'a, S, F, ValueOptics<'a>>,
 }
 
 impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
@@ -157,7 +157,7 @@ impl<S: Lanes, F: Field<S>> Integrator for Average<'_, S, F> {
 /// Writes down what one value for a whole ray looks like.
 #[inline(always)]
 pub fn show<S: Lanes, F: Field<S>>(
-    medium: &OneGrid<S, F, Values>,
+    medium: &OneGrid<S, F, ValueOptics>,
     value: F32<S>,
     depth: F32<S>,
     traced: &mut Traced,

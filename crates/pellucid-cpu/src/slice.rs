@@ -6,14 +6,14 @@ use pellucid_field::Grid;
 use crate::field::Field;
 use crate::integrator::{Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
-use crate::medium::{OneGrid, Values};
+use crate::medium::{OneGrid, ValueOptics};
 use crate::packet::Packet;
 use crate::projection::show;
 
 /// The field on a plane, coloured at full opacity. (A slab of some thickness is a projection over
 /// a span between two planes.)
 pub struct SlicePlane<'a, S, F> {
-    medium: OneGrid<'a, S, F, Values<'a>>,
+    medium: OneGrid<'a, S, F, ValueOptics<'a>>,
     /// The plane in index space: `index_normal . p = offset`.
     index_normal: [f32; 3],
     offset: f32,
@@ -22,7 +22,7 @@ pub struct SlicePlane<'a, S, F> {
 
 impl<'a, S: Lanes, F: Field<S>> SlicePlane<'a, S, F> {
     /// The plane through a world position across a unit normal.
-    pub fn new(medium: OneGrid<'a, S, F, Values<'a>>, grid: &Grid, point: DVec3, normal: DVec3) -> Self {
+    pub fn new(medium: OneGrid<'a, S, F, ValueOptics<'a>>, grid: &Grid, point: DVec3, normal: DVec3) -> Self {
         let index_normal = (grid.world_from_index().matrix3.transpose() * normal).normalize();
         let offset = index_normal.dot(grid.index_from_world().transform_point3(point));
         Self {

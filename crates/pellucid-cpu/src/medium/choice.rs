@@ -3,7 +3,7 @@
 use pellucid_field::Sampler;
 use pellucid_scene::Classification;
 
-use super::{Emission, Integrals, Level, OneGrid, Values};
+use super::{Emission, Integrals, Level, OneGrid, ValueOptics};
 use crate::classify::{Classify, Lookup, Post, Pre, PreEach, Segments};
 use crate::field::{Any, Field, Moved};
 use crate::lanes::Lanes;
@@ -120,9 +120,14 @@ impl Prepared<'_> {
         self.one_grid(s, field, levels, lighting)
     }
 
-    /// Values that stand for whole rays, `opaque` or as the transfer function has them.
-    pub fn valued<'a, S: Lanes, F: Field<S>>(&'a self, s: S, field: F, opaque: bool) -> OneGrid<'a, S, F, Values<'a>> {
-        self.one_grid(s, field, Values { table: Lookup::of_table(&self.tables.table), opaque }, None)
+    /// ValueOptics that stand for whole rays, `opaque` or as the transfer function has them.
+    pub fn valued<'a, S: Lanes, F: Field<S>>(
+        &'a self,
+        s: S,
+        field: F,
+        opaque: bool,
+    ) -> OneGrid<'a, S, F, ValueOptics<'a>> {
+        self.one_grid(s, field, ValueOptics { table: Lookup::of_table(&self.tables.table), opaque }, None)
     }
 
     /// The medium as it shines, without holding light back.

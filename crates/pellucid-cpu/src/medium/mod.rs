@@ -20,7 +20,7 @@ pub use many::Many;
 pub use merge::{merged, settle};
 pub use one_grid::{Integrals, OneGrid, Segmented};
 pub use run::{Piece, Run, Span};
-pub use values::Values;
+pub use values::ValueOptics;
 pub use ways::{Progress, Ways};
 
 use crate::cut::Cut;
