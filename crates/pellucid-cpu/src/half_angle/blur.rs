@@ -4,7 +4,7 @@
 use pellucid_scene::InScatter;
 
 use super::buffer::{LightBuffer, MOST_CHANNELS, Shape, each_channel, each_texel, texels};
-use super::looks::{Looks, Radius, Share};
+use super::looks::{Looks, Radius, TexelShare};
 use super::step::Step;
 use crate::lanes::*;
 
@@ -49,7 +49,7 @@ impl<'a, S: Lanes> Blur<'a, S> {
     }
 
     #[inline(always)]
-    fn alike(&self, from: usize, shares: &[Share]) -> [F32<S>; MOST_CHANNELS] {
+    fn alike(&self, from: usize, shares: &[TexelShare]) -> [F32<S>; MOST_CHANNELS] {
         let s = self.step.s;
         let mut sum = [splat(s, 0.0); MOST_CHANNELS];
         for share in shares {

@@ -68,14 +68,14 @@ impl Reach {
 /// Where light is gathered from in a slab.
 pub enum Looks<'a> {
     /// In the same places around all texels.
-    Alike(Vec<Share>),
+    Alike(Vec<TexelShare>),
     /// At these shares of a radius, from places that differ or count for what they hold.
     Each(&'a [[f32; 2]], Radius<'a>),
 }
 
 /// What a texel so far away has in the light of any.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Share {
+pub struct TexelShare {
     /// From a texel to that one.
     pub offset: isize,
     /// How much of it.
@@ -93,7 +93,7 @@ impl<'a> Looks<'a> {
 }
 
 /// The shares of texels in the mean of looks, each texel once, and none that is lost in the rounding of the others.
-fn shares(offsets: &[[f32; 2]], radius: [f32; 2], shape: &Shape) -> Vec<Share> {
+fn shares(offsets: &[[f32; 2]], radius: [f32; 2], shape: &Shape) -> Vec<TexelShare> {
     const ROUNDING: f32 = 1e-8;
     let looks = offsets.len().max(1);
     let (mut all, pad) = (Vec::with_capacity(4 * looks), shape.pad as f32);
@@ -105,7 +105,7 @@ fn shares(offsets: &[[f32; 2]], radius: [f32; 2], shape: &Shape) -> Vec<Share> {
         let offset = row as isize * shape.stride as isize + column as isize;
         for (across, u) in [(0, 1.0 - u), (1, u)] {
             for (down, v) in [(0, 1.0 - v), (shape.stride as isize, v)] {
-                all.push(Share { offset: offset + across + down, weight: u * v / looks as f32 });
+                all.push(TexelShare { offset: offset + across + down, weight: u * v / looks as f32 });
             }
         }
     }
@@ -138,7 +138,7 @@ mod tests {
             let found = shares(offsets, [radius; 2], &shape);
             assert_eq!(found.len(), texels, "{offsets:?} at {radius}: {found:?}");
             let stride = shape.stride as isize;
-            let place = |share: &Share| {
+            let place = |share: &TexelShare| {
                 let row = (share.offset + stride / 2).div_euclid(stride);
                 [(share.offset - row * stride) as f64, row as f64]
             };
