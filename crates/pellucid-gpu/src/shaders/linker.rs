@@ -10,11 +10,10 @@ use wgpu::naga::compact::{KeepUnused, compact};
 
 use super::instances::{is_shared, text_of};
 use super::pass::{
-    APART, ISOSURFACES, LAYERS, MERGE, OF_ALL, OF_EACH, OF_ONE, SHARED, SLICE_ISOSURFACES, SLICE_LAYERS,
-    SLICE_LAYERS_PIXELS, Wgsl,
+    APART, ISOSURFACES, LAYERS, MERGE, OF_ALL, OF_EACH, OF_ONE, SHARED, SLICE_LAYERS, SLICE_LAYERS_PIXELS, Wgsl,
 };
 use super::written::{
-    across, constants, count, each, each_hit, each_path, every, every_hit, every_line, every_slab, every_slab_light,
+    across, constants, count, each, each_hit, each_path, every, every_line, every_slab, every_slab_light,
 };
 use super::{Constants, Pass, Traversal, Variant, defines};
 use crate::GpuError;
@@ -81,7 +80,6 @@ type Files = Vec<(&'static str, String)>;
 fn entry_of_several(variant: &Variant) -> (&'static str, Cow<'static, str>) {
     let own = match (variant.pass, variant.traversal) {
         (Pass::Apart, _) => APART,
-        (Pass::Isosurface, Traversal::Slices) => SLICE_ISOSURFACES,
         (_, Traversal::Slices) => SLICE_LAYERS,
         (_, Traversal::SlicePixels) => SLICE_LAYERS_PIXELS,
         (Pass::Isosurface, Traversal::Rays) => ISOSURFACES,
@@ -115,7 +113,6 @@ fn of_layers(layers: usize) -> Files {
     let asked = [
         ("each", each(layers)),
         ("each_hit", each_hit(layers)),
-        ("every_hit", every_hit(layers)),
         ("each_path", each_path(layers)),
         ("every", every(layers)),
         ("every_line", every_line(layers)),

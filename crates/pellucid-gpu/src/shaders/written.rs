@@ -20,18 +20,12 @@ pub fn each(layers: usize) -> String {
 /// What asks one of so many layers for its surfaces, by its number.
 pub fn each_hit(layers: usize) -> String {
     let functions = [
+        ("first_hit", "pixel: vec2<u32>, sub: u32", "Cursor"),
         ("next_hit", "pixel: vec2<u32>, sub: u32, last: Cursor", "Cursor"),
         ("hit", "pixel: vec2<u32>, sub: u32, cursor: Cursor, front: f32", "Hit"),
     ];
     "#define_import_path pellucid::each_hit\n#import pellucid::cursor::{Cursor, Hit}\n".to_owned()
         + &choices(layers, "hits", &functions)
-}
-
-/// What tells of the first surfaces of all of so many layers.
-pub fn every_hit(layers: usize) -> String {
-    let functions = [("hits", "first_hit", "all_first", "pixel: vec2<u32>, sub: u32, reach: vec2<f32>", "Cursor")];
-    let imports = "#import pellucid::cursor::Cursor\n";
-    format!("#define_import_path pellucid::every_hit\n{imports}{}", all(layers, &functions))
 }
 
 /// What asks one of so many layers what becomes of paths, by its number; of no layers, the volume that has none.
