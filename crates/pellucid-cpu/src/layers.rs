@@ -126,7 +126,7 @@ impl<'s> Layers<'s> {
 }
 
 /// A medium as one of several layers.
-struct AsLayer;
+pub struct AsLayer;
 
 impl<'a, S: Lanes> WithMedium<'a, S> for AsLayer {
     type Output = Box<dyn Layer<S> + 'a>;

@@ -101,8 +101,8 @@ impl Prepared<'_> {
     }
 }
 
-/// A medium as an integrator.
-struct Composited(Accumulation);
+/// A medium as an integrator, whose light accumulates so.
+pub struct Composited(pub Accumulation);
 
 impl<'a, S: Lanes> WithMedium<'a, S> for Composited {
     type Output = Box<dyn Integrator + 'a>;

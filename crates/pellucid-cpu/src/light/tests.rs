@@ -10,17 +10,16 @@ use super::lights::{Arrivals, Lights};
 use super::shading::Shading;
 use super::unlit::Unlit;
 use super::{Answer, Lighting};
-use crate::classify::Classify;
-use crate::composite::{Accumulation, Composite, PreIntegrated};
-use crate::field::Field;
+use crate::composite::Accumulation;
 use crate::integrator::{Integrator, Tally, Traced};
 use crate::lanes::*;
-use crate::medium::{Integrals, Layer, Many, OneGrid, Segmented, WithMedium};
+use crate::layers::AsLayer;
+use crate::medium::Many;
+use crate::modes::Composited;
 use crate::packet::Packet;
 use crate::prepare::{Cache, Prepared};
 use crate::rays::Emitter;
 use crate::samples::RUN;
-use crate::vary::Vary;
 
 /// Shows what it is told as red, green and blue: the opacity in front, the length of the gradient, the value.
 struct Told;
@@ -68,36 +67,8 @@ fn told<'a, S: Lanes>() -> Option<Lighting<'a, S>> {
     Some(Lighting { lights, shadow: None, chroma: None, answer: Answer::Other(Box::new(Told)) })
 }
 
-const ACCUMULATION: Accumulation = Accumulation { chroma: None, early_termination: 2.0 };
-
-/// The medium as all there is.
-struct Alone;
-
-impl<'a, S: Lanes> WithMedium<'a, S> for Alone {
-    type Output = Box<dyn Integrator + 'a>;
-
-    fn samples<F: Field<S> + 'a, C: Classify<S> + 'a>(self, medium: OneGrid<'a, S, F, C>) -> Self::Output {
-        Box::new(Composite { medium, accumulation: ACCUMULATION })
-    }
-
-    fn segments<F: Field<S> + 'a, V: Vary + 'a>(self, medium: OneGrid<'a, S, F, Integrals<'a, V>>) -> Self::Output {
-        Box::new(PreIntegrated { medium, accumulation: ACCUMULATION })
-    }
-}
-
-/// The medium as a layer.
-struct AmongOthers;
-
-impl<'a, S: Lanes> WithMedium<'a, S> for AmongOthers {
-    type Output = Box<dyn Layer<S> + 'a>;
-
-    fn samples<F: Field<S> + 'a, C: Classify<S> + 'a>(self, medium: OneGrid<'a, S, F, C>) -> Self::Output {
-        Box::new(medium)
-    }
-
-    fn segments<F: Field<S> + 'a, V: Vary + 'a>(self, medium: OneGrid<'a, S, F, Integrals<'a, V>>) -> Self::Output {
-        Box::new(Segmented(medium))
-    }
+fn accumulation() -> Accumulation {
+    Accumulation { chroma: None, early_termination: 2.0 }
 }
 
 /// What a ray through the middle gathers in pieces of so many steps, where the opacity in front is told anew after some.
@@ -139,7 +110,7 @@ fn shading_is_told_of_the_opacity_in_front_the_gradient_and_the_value() {
         emitter.emit(&middle, &middle, &wanted, 0, (&[prepared[0].solid()], &mut packets));
 
         let (s, sampler) = (baseline!(), || prepared[0].sampler().unwrap());
-        let alone = prepared[0].with_medium(s, sampler(), told(), Alone);
+        let alone = prepared[0].with_medium(s, sampler(), told(), Composited(accumulation()));
         let mut lengths = vec![1.0; 32];
         if classification == Classification::PreIntegrated {
             // Segments lie between samples, and begin and end where rays do.
@@ -148,8 +119,8 @@ fn shading_is_told_of_the_opacity_in_front_the_gradient_and_the_value() {
         assert_near(trace(&*alone, &packets), expected(&lengths, 1));
 
         // Layers are asked for several pieces at a time.
-        let layers = vec![prepared[0].with_medium(s, sampler(), told(), AmongOthers)];
-        let many = Many { s, layers, overlap: Overlap::Add, accumulation: ACCUMULATION, step: stage.step };
+        let layers = vec![prepared[0].with_medium(s, sampler(), told(), AsLayer)];
+        let many = Many { s, layers, overlap: Overlap::Add, accumulation: accumulation(), step: stage.step };
         let [packet] = packets;
         assert_near(trace(&many, &[emitter.around(std::slice::from_ref(&packet)), packet]), expected(&[1.0; 32], RUN));
     }

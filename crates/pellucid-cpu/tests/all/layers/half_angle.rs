@@ -183,6 +183,21 @@ fn half_angle_light_is_sent_in_the_colors_of_another_volume() {
     }
 }
 
+/// Direct light from above on what scatters it evenly, seen from the side below the middle.
+fn from_above(scene: &mut Scene, step: f64) {
+    by_half_angles(scene);
+    scene.technique = Technique::HalfAngle(HalfAngle { indirect: 0.0, ..HalfAngle::default() });
+    for entry in &mut scene.volumes {
+        let phase_normalization = PhaseNormalization::Renormalised;
+        entry.scattering = Scattering { phase: Phase::Isotropic, phase_normalization, ..Scattering::default() };
+    }
+    scene.lighting.lights = vec![Light::new(LightKind::Directional { direction: [0.0, 0.0, -1.0] })];
+    let (target, distance) = (Some([8.0, 8.0, 1.0]), Some(60.0));
+    scene.camera.view = View::Orbit(Orbit { azimuth: 0.0, elevation: 0.0, target, distance, ..Orbit::default() });
+    scene.camera.projection = Projection::Orthographic { height: Some(0.5) };
+    scene.quality.step = step;
+}
+
 /// A plate within a box holds back as much of the light on its way through both as the rule leaves of them.
 #[test]
 fn half_angle_light_comes_through_what_rules_choose() {
@@ -195,19 +210,8 @@ fn half_angle_light_comes_through_what_rules_choose() {
             layers.reverse();
         }
         let stage = stage(&layers, |scene| {
-            by_half_angles(scene);
+            from_above(scene, 0.37);
             scene.overlap = overlap;
-            scene.technique = Technique::HalfAngle(HalfAngle { indirect: 0.0, ..HalfAngle::default() });
-            for entry in &mut scene.volumes {
-                let phase_normalization = PhaseNormalization::Renormalised;
-                entry.scattering = Scattering { phase: Phase::Isotropic, phase_normalization, ..Scattering::default() };
-            }
-            scene.lighting.lights = vec![Light::new(LightKind::Directional { direction: [0.0, 0.0, -1.0] })];
-            let target = Some([8.0, 8.0, 1.0]);
-            scene.camera.view =
-                View::Orbit(Orbit { azimuth: 0.0, elevation: 0.0, target, distance: Some(60.0), ..Orbit::default() });
-            scene.camera.projection = Projection::Orthographic { height: Some(0.5) };
-            scene.quality.step = 0.37;
         });
         center(&render(&stage))[0]
     };
@@ -234,21 +238,7 @@ fn half_angle_light_comes_through_other_volumes() {
     let block = solid([17, 17, 3], DVec3::ZERO, DVec3::ONE);
     let draw = |dense: f32| {
         let layers = [(block.clone(), homogeneous(0.01)), (plate.clone(), homogeneous(dense))];
-        let stage = stage(&layers, |scene| {
-            by_half_angles(scene);
-            scene.technique = Technique::HalfAngle(HalfAngle { indirect: 0.0, ..HalfAngle::default() });
-            for entry in &mut scene.volumes {
-                let phase_normalization = PhaseNormalization::Renormalised;
-                entry.scattering = Scattering { phase: Phase::Isotropic, phase_normalization, ..Scattering::default() };
-            }
-            scene.lighting.lights = vec![Light::new(LightKind::Directional { direction: [0.0, 0.0, -1.0] })];
-            let target = Some([8.0, 8.0, 1.0]);
-            scene.camera.view =
-                View::Orbit(Orbit { azimuth: 0.0, elevation: 0.0, target, distance: Some(60.0), ..Orbit::default() });
-            scene.camera.projection = Projection::Orthographic { height: Some(0.5) };
-            scene.quality.step = 0.25;
-        });
-        center(&render(&stage))[0]
+        center(&render(&stage(&layers, |scene| from_above(scene, 0.25))))[0]
     };
     let (dark, lit) = (draw(0.5), draw(0.0));
     let share = 0.5;
