@@ -13,6 +13,14 @@ pub fn each<S: Lanes>(s: S, chroma: Option<&Chroma>, transmittance: F32<S>) -> [
     xyz!(C => if ratios[C] == 0.0 { splat(s, 1.0) } else { power(s, transmittance, splat(s, ratios[C])) })
 }
 
+/// What is left where these shares of the colour that is lost least are left, lanes being of colours that are lost `ratios`
+/// times as often.
+#[inline(always)]
+pub fn of_lanes<S: Lanes>(s: S, ratios: F32<S>, transmittance: F32<S>) -> F32<S> {
+    // As in `each`.
+    ratios.simd_eq(splat(s, 0.0)).select(splat(s, 1.0), power(s, transmittance, ratios))
+}
+
 /// What is held back of each colour at these opacities of the one that is lost least.
 #[inline(always)]
 pub fn opacities<S: Lanes>(s: S, chroma: Option<&Chroma>, alpha: F32<S>) -> [F32<S>; 3] {

@@ -7,6 +7,7 @@ use super::band::{Band, TILE};
 use super::blur::Blur;
 use super::buffer::{LightBuffer, MOST_CHANNELS, each_channel, each_texel, first_channel, texels};
 use super::step::Step;
+use crate::chroma;
 use crate::lanes::*;
 use crate::packet::PerLane;
 
@@ -52,7 +53,7 @@ impl<S: Lanes> Step<'_, S> {
                             lost.store_slice(&mut next[x..x + width::<S>()]);
                             continue;
                         }
-                        let opacity = match band.channels() {
+                        let opacity = match band.channels {
                             1 => each_channel::<S>(texels(s, opacities, x)),
                             _ => rgba!(C => texels(s, opacities, x * MOST_CHANNELS + C * width::<S>())),
                         };
@@ -121,11 +122,7 @@ impl<S: Lanes> Channels<S> {
         let left = splat(s, 1.0) - lost;
         match self.ratios {
             None => left,
-            // What is not held back at all passes what lets nothing else through.
-            Some(ratios) => {
-                let ratios = load(s, &ratios);
-                ratios.simd_eq(splat(s, 0.0)).select(splat(s, 1.0), power(s, left, ratios))
-            }
+            Some(ratios) => chroma::of_lanes(s, load(s, &ratios), left),
         }
     }
 }

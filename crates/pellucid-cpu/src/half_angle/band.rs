@@ -6,6 +6,7 @@ use pellucid_field::Grid;
 use pellucid_plan::half_angle::Slabs;
 
 use super::crossing::{Crossing, slabs_of};
+use super::pieces::PerLayer;
 use crate::lanes::{self, *};
 use crate::packet::Packet;
 use crate::rays::Emitter;
@@ -29,8 +30,9 @@ pub fn run_length([width, height]: [usize; 2]) -> usize {
 pub struct Band {
     /// Its rays, row by row.
     pub packets: Vec<LightPacket>,
-    /// Texels per row, and numbers per texel.
+    /// Texels per row.
     pub width: usize,
+    /// Numbers per texel.
     pub channels: usize,
     /// For every slab of a run the opacities on the light's way, and the three of indirect light where those are others:
     /// texel by texel, as light lies in its buffer.
@@ -41,30 +43,16 @@ pub struct Band {
 
 /// Rays of light side by side.
 pub struct LightPacket {
-    /// In all that light goes through and, if that is several layers, in each of them.
-    crossings: Vec<Crossing>,
+    /// In each of the layers.
+    pub crossings: PerLayer<Crossing>,
     /// The first slab that may hold anything, and the end of all rays.
     pub next: usize,
     pub last: usize,
 }
 
-impl LightPacket {
-    /// The rays in each of the layers.
-    pub fn layers(&self) -> &[Crossing] {
-        if let [_, layers @ ..] = &*self.crossings
-            && !layers.is_empty()
-        {
-            layers
-        } else {
-            &self.crossings
-        }
-    }
-}
-
 impl Band {
     /// The rows from `top` on of a light's picture, `width` texels wide, for so many slabs at once and numbers per
-    /// texel; rays in solids of grids, `step` world units to a step: of all that light goes through and, if that is
-    /// several layers, of each of them.
+    /// texel; rays in the solids of layers with such grids, `step` world units to a step.
     pub fn new<S: Lanes>(
         s: S,
         (grids, solids, step): (&[Grid], &[Solid], f64),
@@ -83,10 +71,9 @@ impl Band {
                 crossing.take(s, rays, slabs, grid, step);
                 crossing
             };
-            let crossings = rays.iter().zip(grids).map(crossing).collect();
-            let mut packet = LightPacket { crossings, next: 0, last: 0 };
-            Range { start: packet.next, end: packet.last } = slabs_of(packet.layers());
-            packet
+            let crossings: PerLayer<Crossing> = rays.iter().zip(grids).map(crossing).collect();
+            let Range { start: next, end: last } = slabs_of(&crossings);
+            LightPacket { crossings, next, last }
         };
         let columns = (0..width).step_by(lanes);
         let packets = (0..rows).flat_map(|row| columns.clone().map(move |column| (row, column)));
@@ -102,11 +89,6 @@ impl Band {
     /// Whether a tile holds anything in a slab, by its number in the run.
     pub fn holds(&self, number: usize, tile: usize) -> bool {
         self.held[number][tile]
-    }
-
-    /// How many numbers a texel has.
-    pub fn channels(&self) -> usize {
-        self.channels
     }
 
     /// Opacities of texels of a row, by the slab's number in the run.

@@ -2,19 +2,18 @@
 
 use std::ops::Range;
 
-use glam::{DAffine3, DVec3};
 use pellucid_plan::half_angle::Slabs;
-use pellucid_scene::{Overlap, Stage};
+use pellucid_scene::Overlap;
 
 use super::buffer::LightBuffer;
-use super::crossing::{Crossing, Crossings, UNASKED, slabs_of};
+use super::crossing::{Crossing, Crossings, Passage, UNASKED, slabs_of};
 use super::eye::{Attenuation, Eye};
 use super::optics::SlabOptics;
-use super::pieces::{MetLayer, Share, end_of_piece, leap, leap_back, shares};
+use super::pieces::{MetLayer, PerLayer, Share, each_piece, leap, shares};
 use crate::chroma;
 use crate::element::Element;
-use crate::field::{Field, lane_position};
-use crate::integrator::{Found, Tally};
+use crate::field::Field;
+use crate::integrator::Tally;
 use crate::lanes::*;
 use crate::medium::{Beam, OneGrid, merged};
 use crate::packet::{Packet, PerLane};
@@ -25,15 +24,15 @@ pub struct EyePacket {
     /// Column and row of the first one in its tile.
     pub corner: [usize; 2],
     /// The rays in each of the layers.
-    crossings: Vec<Crossing>,
+    pub crossings: Vec<Crossing>,
     /// Unit vectors to the eye.
-    to_eye: [PerLane; 3],
+    pub to_eye: [PerLane; 3],
     /// 1 where the ray meets the last slabs first, else 0.
-    backward: PerLane,
-    color: [PerLane; 4],
+    pub backward: PerLane,
+    pub color: [PerLane; 4],
     /// Coordinate at which the opacity of rays in the order of slabs first reaches one half, or infinite.
-    half: PerLane,
-    samples: PerLane,
+    pub half: PerLane,
+    pub samples: PerLane,
     /// The first slab that may hold anything, and the end of all rays.
     next: usize,
     last: usize,
@@ -136,7 +135,7 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
 
     /// The first of the layers: what all have in common is told of it.
     #[inline(always)]
-    fn first(&self) -> &OneGrid<'_, S, &F, SlabOptics<'_>> {
+    pub fn first(&self) -> &OneGrid<'_, S, &F, SlabOptics<'_>> {
         &self.layers[0].medium
     }
 
@@ -146,22 +145,10 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
         let (s, chroma) = (first.s, first.chroma.as_ref());
         let backward = load(s, &packet.backward).simd_gt(splat(s, 0.5));
         let to_eye = xyz!(I => load(s, &packet.to_eye[I]));
-        // A ray of a single volume needs no memory of its own.
-        let (single, several);
-        let lines: &[LayerRay<S>] = match (self.layers.as_slice(), packet.crossings.as_slice()) {
-            ([eye], [crossing]) => {
-                single = [LayerRay::new(eye, crossing, to_eye, backward)];
-                &single
-            }
-            (layers, crossings) => {
-                let mut lines = Vec::with_capacity(layers.len());
-                for (eye, crossing) in layers.iter().zip(crossings) {
-                    lines.push(LayerRay::new(eye, crossing, to_eye, backward));
-                }
-                several = lines;
-                &several
-            }
-        };
+        let mut lines = PerLayer::new();
+        for (eye, crossing) in self.layers.iter().zip(&packet.crossings) {
+            lines.push(LayerRay::new(eye, crossing, to_eye, backward));
+        }
         let mut color = rgba!(C => load(s, &packet.color[C]));
         let [mut half, mut samples] = [load(s, &packet.half), load(s, &packet.samples)];
         let met = self.met(lines.iter().map(|line| &line.rays));
@@ -178,7 +165,7 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
             for k in k..stop {
                 let open = backward | color[3].simd_lt(splat(s, self.early_termination));
                 let light = (k, &lights[k - run.start]);
-                let seen = match (self.layers.as_slice(), lines) {
+                let seen = match (self.layers.as_slice(), lines.as_slice()) {
                     ([eye], [line]) => {
                         let passage = line.rays.passage(s, k);
                         let lanes = passage.lanes & open;
@@ -196,7 +183,7 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
                         )
                     }
                     _ => {
-                        let (lanes, seen) = self.together((&met, lines), [open, backward], light);
+                        let (lanes, seen) = self.together((&met, &lines), [open, backward], light);
                         samples = lanes.select(samples + 1.0, samples);
                         seen
                     }
@@ -226,7 +213,7 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
     }
 
     /// The layers, with rays in each.
-    fn met<'m>(&'m self, rays: impl Iterator<Item = &'m Crossings<S>>) -> Vec<MetLayer<'m, 'a, S, F>> {
+    pub fn met<'m>(&'m self, rays: impl Iterator<Item = &'m Crossings<S>>) -> PerLayer<MetLayer<'m, 'a, S, F>> {
         self.layers.iter().map(|eye| &eye.medium).zip(rays).collect()
     }
 
@@ -243,20 +230,21 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
             #[inline(always)]
             || {
                 let (mut is_met, mut place, mut seen) = (all(s, false), splat(s, 0.0), Element::nothing(s));
-                let (mut front, back) = (splat(s, light.0 as f32), splat(s, (light.0 + 1) as f32));
-                while front.simd_lt(back).any_true() {
-                    let end = end_of_piece(met, front, back);
-                    let (lanes, shares) = shares(
-                        s,
-                        self.overlap,
-                        met,
-                        #[inline(always)]
-                        |rays| rays.between(s, [front, end]).within(open),
-                        #[inline(always)]
-                        |_| splat(s, 1.0),
-                    );
-                    is_met |= lanes;
-                    if !shares.is_empty() {
+                each_piece(
+                    s,
+                    met,
+                    light.0,
+                    #[inline(always)]
+                    |ends| {
+                        let (lanes, shares) = self.shares(
+                            met,
+                            #[inline(always)]
+                            |rays| rays.between(s, ends).within(open),
+                        );
+                        is_met |= lanes;
+                        if shares.is_empty() {
+                            return;
+                        }
                         let piece = self.lit(&shares, lines, light);
                         let Element { rgba, visible } = piece.element;
                         // Rays that travel against the order of slabs meet the last pieces first.
@@ -265,9 +253,8 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
                         seen.rgba = chroma::over(s, chroma, nearer, farther);
                         seen.visible |= visible;
                         place = visible.select(piece.place, place);
-                    }
-                    front = end;
-                }
+                    },
+                );
                 (is_met, seen.visible.any_true().then_some(SlabElement { place, element: seen }))
             },
         )
@@ -303,165 +290,21 @@ impl<'a, S: Lanes, F: Field<S>> EyeLayers<'a, S, F> {
         SlabElement { place, element: merged(s, Overlap::Add, &elements) }
     }
 
-    /// What the rays of a packet found, where half of their opacity is reached, and the surface there; `worlds` are
-    /// those of the layers' index positions.
-    pub fn finish(&self, packet: &EyePacket, stage: &Stage, worlds: &[DAffine3], mut each: impl FnMut(usize, Found)) {
-        let (s, chroma) = (self.first().s, self.first().chroma.as_ref());
-        let (surface, alpha, opacities) = s.vectorize(
-            #[inline(always)]
-            || {
-                let alpha = load(s, &packet.color[3]);
-                (self.half(packet), chroma::coverage(s, chroma, alpha), chroma::opacities(s, chroma, alpha))
-            },
-        );
-        let Reached { met, normal, places } = surface;
-        let bits = met.to_bitmask();
-        for lane in 0..width::<S>() {
-            let Some(layer) = packet.crossings.iter().position(|crossing| crossing.lanes().any(|l| l == lane)) else {
-                continue;
-            };
-            let is_met = bits >> lane & 1 == 1;
-            let to_eye = DVec3::from_array([0, 1, 2].map(|axis| f64::from(packet.to_eye[axis][lane])));
-            let depth = || {
-                let world = worlds[layer].transform_point3(lane_position::<S>(&places[layer], lane));
-                (stage.viewpoint.eye - world).dot(to_eye) as f32
-            };
-            let found = Found {
-                color: [packet.color[0][lane], packet.color[1][lane], packet.color[2][lane], alpha[lane]],
-                opacities: [opacities[0][lane], opacities[1][lane], opacities[2][lane]],
-                depth: if is_met { depth() } else { f32::INFINITY },
-                normal: if is_met { [0, 1, 2].map(|axis| normal[axis][lane]) } else { [0.0; 3] },
-                samples: packet.samples[lane] as u32,
-            };
-            each(lane, found);
-        }
-    }
-
-    /// Where opacity first reaches one half, from the eye.
+    /// What is left of layers where rays pass, as `passage` says.
     #[inline(always)]
-    fn half(&self, packet: &EyePacket) -> Reached<S> {
-        let (s, zero) = (self.first().s, splat(self.first().s, 0.0));
-        let mut lines = Vec::with_capacity(self.layers.len());
-        for crossing in &packet.crossings {
-            lines.push(Crossings::new(s, crossing));
-        }
-        let backward = load(s, &packet.backward).simd_gt(splat(s, 0.5));
-        let met = load(s, &packet.color[3]).simd_ge(splat(s, 0.5));
-        if !met.any_true() {
-            return Reached { met, normal: [zero; 3], places: vec![[zero; 3]; lines.len()] };
-        }
-        let layers = self.met(lines.iter());
-        let mut half = load(s, &packet.half);
-        if (met & backward).any_true() {
-            half = backward.select(self.half_from_eye(&layers, packet.slabs(), met & backward), half);
-        }
-        // By rounding, opacity may reach one half on the one way and not on the other.
-        let met = met & half.is_finite();
-        let half = met.select(half, zero);
-        let mut places = Vec::with_capacity(lines.len());
-        for rays in &lines {
-            places.push(rays.at(half));
-        }
-        let normal = match (self.layers.as_slice(), places.as_slice()) {
-            ([eye], [place]) => eye.normals(*place, met),
-            _ => self.normals_of_densest(&layers, half, met),
-        };
-        Reached { met, normal, places }
-    }
-
-    /// Normals of the layer that has most opacity at coordinates.
-    #[inline(never)]
-    fn normals_of_densest(&self, met: &[MetLayer<S, F>], half: F32<S>, lanes: Mask<S>) -> Vec3<S> {
+    pub fn shares(
+        &self,
+        met: &[MetLayer<S, F>],
+        passage: impl Fn(&Crossings<S>) -> Passage<S>,
+    ) -> (Mask<S>, Vec<Share<S>>) {
         let s = self.first().s;
-        s.vectorize(
+        shares(
+            s,
+            self.overlap,
+            met,
+            passage,
             #[inline(always)]
-            || {
-                let (mut normal, mut most) = ([splat(s, 0.0); 3], splat(s, 0.0));
-                let (_, shares) = shares(
-                    s,
-                    self.overlap,
-                    met,
-                    #[inline(always)]
-                    |rays| rays.sample(s, half).within(lanes),
-                    #[inline(always)]
-                    |_| splat(s, 1.0),
-                );
-                for Share { layer, passage, sample } in &shares {
-                    let more = sample.visible & sample.rgba[3].simd_gt(most);
-                    if more.any_true() {
-                        let own = self.layers[*layer].normals(passage.index, more);
-                        normal = xyz!(I => more.select(own[I], normal[I]));
-                        most = more.select(sample.rgba[3], most);
-                    }
-                }
-                normal
-            },
+            |_| splat(s, 1.0),
         )
     }
-
-    /// Coordinates at which opacity first reaches one half, infinite if never: rays whose last slabs were seen first
-    /// are followed once more.
-    #[inline(always)]
-    fn half_from_eye(&self, met: &[MetLayer<S, F>], slabs: Range<usize>, lanes: Mask<S>) -> F32<S> {
-        let s = self.first().s;
-        let (mut found, mut transmittance, mut open) = (splat(s, f32::INFINITY), splat(s, 1.0), lanes);
-        let mut end = slabs.end;
-        while end > slabs.start && open.any_true() {
-            let k = end - 1;
-            let leap = leap_back(met, k);
-            if leap > 0 {
-                end = end.saturating_sub(leap);
-                continue;
-            }
-            end = k;
-            let [left, place] = self.left_of(met, k, open);
-            transmittance *= left;
-            let here = open & transmittance.simd_le(splat(s, 0.5)) & place.is_finite();
-            found = here.select(place, found);
-            open &= !here;
-        }
-        found
-    }
-
-    /// What gets through a slab to the eye, and the coordinate of what is there; infinite where nothing is.
-    #[inline(never)]
-    fn left_of(&self, met: &[MetLayer<S, F>], k: usize, lanes: Mask<S>) -> [F32<S>; 2] {
-        let s = self.first().s;
-        s.vectorize(
-            #[inline(always)]
-            || {
-                let (mut left, mut place) = (splat(s, 1.0), splat(s, f32::INFINITY));
-                let (mut front, back) = (splat(s, k as f32), splat(s, (k + 1) as f32));
-                while front.simd_lt(back).any_true() {
-                    let end = end_of_piece(met, front, back);
-                    let (_, shares) = shares(
-                        s,
-                        self.overlap,
-                        met,
-                        #[inline(always)]
-                        |rays| rays.between(s, [front, end]).within(lanes),
-                        #[inline(always)]
-                        |_| splat(s, 1.0),
-                    );
-                    for Share { passage, sample, .. } in &shares {
-                        let alpha = opacity_over(s, sample.rgba[3], passage.ratio);
-                        left = sample.visible.select(left * (splat(s, 1.0) - alpha), left);
-                        place = sample.visible.select(passage.place, place);
-                    }
-                    front = end;
-                }
-                [left, place]
-            },
-        )
-    }
-}
-
-/// Where opacity first reaches one half.
-struct Reached<S: Lanes> {
-    /// Lanes in which it does.
-    met: Mask<S>,
-    /// Normals there.
-    normal: Vec3<S>,
-    /// Index positions, in each of the layers.
-    places: Vec<Vec3<S>>,
 }

@@ -8,7 +8,7 @@ use super::band::{Band, TILE};
 use super::crossing::{Crossings, Passage, UNASKED};
 use super::lengths::Lengths;
 use super::optics::{SlabOptics, SlabSample};
-use super::pieces::{MetLayer, end_of_piece, leap, shares};
+use super::pieces::{MetLayer, PerLayer, each_piece, leap, shares};
 use crate::chroma;
 use crate::classify::Post;
 use crate::field::Field;
@@ -105,11 +105,11 @@ pub fn look_up<S: Lanes, F: Field<S>>(layers: &[Matter<S, F>], overlap: Overlap,
                 if packet.next >= run.end || packet.last <= run.start {
                     continue;
                 }
-                let mut rays = Vec::with_capacity(layers.len());
-                for crossing in packet.layers() {
+                let mut rays = PerLayer::new();
+                for crossing in &packet.crossings {
                     rays.push(Crossings::new(s, crossing));
                 }
-                let met: Vec<MetLayer<S, F>> = layers.iter().map(|matter| &matter.medium).zip(&rays).collect();
+                let met: PerLayer<MetLayer<S, F>> = layers.iter().map(|matter| &matter.medium).zip(&rays).collect();
                 let at = number * width::<S>();
                 let mut k = packet.next.max(run.start);
                 while k < run.end.min(packet.last) {
@@ -148,25 +148,28 @@ fn store_together<'m, 'a: 'm, S: Lanes, F: Field<S>>(
         #[inline(always)]
         || {
             let mut held = None;
-            let (mut front, back) = (splat(s, k as f32), splat(s, (k + 1) as f32));
-            while front.simd_lt(back).any_true() {
-                let end = end_of_piece(met, front, back);
-                let (_, shares) = shares(
-                    s,
-                    overlap,
-                    met,
-                    #[inline(always)]
-                    |rays| rays.between(s, [front, end]),
-                    #[inline(always)]
-                    |passage| layers[0].part(passage),
-                );
-                for share in &shares {
-                    let (matter, before) = (&layers[share.layer], held.unwrap_or([splat(s, 0.0); 4]));
-                    let own = matter.opacities(&share.sample, matter.part(&share.passage), to.len() > width::<S>());
-                    held = Some(rgba!(C => before[C] + (own[C] - before[C] * own[C])));
-                }
-                front = end;
-            }
+            each_piece(
+                s,
+                met,
+                k,
+                #[inline(always)]
+                |ends| {
+                    let (_, shares) = shares(
+                        s,
+                        overlap,
+                        met,
+                        #[inline(always)]
+                        |rays| rays.between(s, ends),
+                        #[inline(always)]
+                        |passage| layers[0].part(passage),
+                    );
+                    for share in &shares {
+                        let (matter, before) = (&layers[share.layer], held.unwrap_or([splat(s, 0.0); 4]));
+                        let own = matter.opacities(&share.sample, matter.part(&share.passage), to.len() > width::<S>());
+                        held = Some(rgba!(C => before[C] + (own[C] - before[C] * own[C])));
+                    }
+                },
+            );
             let Some(held) = held else { return false };
             write(s, held, to);
             true

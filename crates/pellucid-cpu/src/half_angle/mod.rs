@@ -23,6 +23,7 @@ mod looks;
 mod matter;
 mod optics;
 mod pieces;
+mod reached;
 mod step;
 mod sweep;
 mod transport;

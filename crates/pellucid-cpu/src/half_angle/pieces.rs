@@ -2,6 +2,7 @@
 //! layers begin and whatever the rule of their overlap.
 
 use pellucid_scene::Overlap;
+use smallvec::SmallVec;
 
 use super::crossing::{Crossings, Passage};
 use super::optics::{SlabOptics, SlabSample};
@@ -9,6 +10,9 @@ use crate::element::Element;
 use crate::field::Field;
 use crate::lanes::*;
 use crate::medium::{OneGrid, settle};
+
+/// What there is of each layer: of a single one, as most often, without memory of its own.
+pub type PerLayer<T> = SmallVec<[T; 1]>;
 
 /// A layer, and rays as they cross slabs in it.
 pub type MetLayer<'m, 'a, S, F> = (&'m OneGrid<'a, S, &'a F, SlabOptics<'a>>, &'m Crossings<S>);
@@ -23,13 +27,18 @@ pub struct Share<S: Lanes> {
     pub sample: SlabSample<S>,
 }
 
-/// Where the pieces end that begin at coordinates of a slab.
+/// Goes through the pieces of slab k, by the coordinates of their ends.
 #[inline(always)]
-pub fn end_of_piece<S: Lanes, F>(layers: &[MetLayer<S, F>], front: F32<S>, mut back: F32<S>) -> F32<S> {
-    for (_, rays) in layers {
-        back = rays.border(front, back);
+pub fn each_piece<S: Lanes, F>(s: S, layers: &[MetLayer<S, F>], k: usize, mut look: impl FnMut([F32<S>; 2])) {
+    let (mut front, back) = (splat(s, k as f32), splat(s, (k + 1) as f32));
+    while front.simd_lt(back).any_true() {
+        let mut end = back;
+        for (_, rays) in layers {
+            end = rays.border(front, end);
+        }
+        look([front, end]);
+        front = end;
     }
-    back
 }
 
 /// The lanes in which rays meet any layer where they pass, and what is left there of those that hold anything; indirect

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use pellucid_field::Grid;
 use pellucid_plan::half_angle::{Geometry, into_cone, taps};
-use pellucid_scene::{HalfAngle, InScatter, Overlap, Region};
+use pellucid_scene::{HalfAngle, InScatter, Overlap};
 use rayon::prelude::*;
 
 use super::band::{BAND, Band, TILE, run_length};
@@ -72,13 +72,8 @@ impl<'a, S: Lanes, F: Field<S>> Sweep<'a, S, F> {
         let apart = indirect.is_some() && layers.iter().any(Matter::tells_colors_apart);
         let channels = if apart { MOST_CHANNELS } else { 1 };
         let emitter = Emitter::of_light(frame, step, InstructionSet::of(s));
-        let mut grids: Vec<Grid> = prepared.iter().map(|layer| *layer.grid()).collect();
-        let mut solids: Vec<Solid> = prepared.iter().map(Prepared::solid).collect();
-        if prepared.len() > 1 {
-            // Rays of all layers go through the box around them.
-            grids.insert(0, *grid);
-            solids.insert(0, Solid::new(grid, &Region::default()));
-        }
+        let grids: Vec<Grid> = prepared.iter().map(|layer| *layer.grid()).collect();
+        let solids: Vec<Solid> = prepared.iter().map(Prepared::solid).collect();
         let rows = |top: usize| BAND.min(shape.height - top);
         let bands: Vec<Band> = (0..shape.height.div_ceil(BAND))
             .into_par_iter()
@@ -238,7 +233,7 @@ impl Presence {
                 let columns = tile * TILE..shape.width.min((tile + 1) * TILE);
                 let first = (shape.pad + columns.start) * MOST_CHANNELS;
                 for (row, texels) in rows.chunks_exact_mut(shape.stride * MOST_CHANNELS).enumerate() {
-                    let opacities = band.opacities(number, row, &columns).chunks_exact(band.channels());
+                    let opacities = band.opacities(number, row, &columns).chunks_exact(band.channels);
                     for (texel, opacity) in texels[first..].chunks_exact_mut(MOST_CHANNELS).zip(opacities) {
                         texel.fill(if opacity[0] > 0.0 { 1.0 } else { 0.0 });
                     }
