@@ -276,7 +276,12 @@ fn documents_are_refused_before_their_volumes_are_loaded() {
     let gone = "[[volumes]]\nsource.file = \"gone.nrrd\"\n";
     let cases = [
         (format!("{gone}{gone}[technique.slicing]\ngeometry = \"object_aligned\"\n"), "2 volumes"),
-        (format!("{gone}{gone}[technique.slicing.mode.isosurface]\nisovalues = [{{ value = 1 }}]\n"), "2 volumes"),
+        (
+            format!(
+                "{gone}{gone}[technique.slicing]\ngeometry = \"multi_texture\"\nmode.isosurface.isovalues = [{{ value = 1 }}]\n"
+            ),
+            "2 volumes",
+        ),
         ("title = \"nothing\"\n".to_owned(), "no volume"),
         (format!("{gone}preset = \"ct-boen\"\n"), "ct-bone"),
         (format!("{gone}scattering.phase.table = {{ file = \"phase.csv\" }}\n[technique.path_trace]\n"), "phase.csv"),

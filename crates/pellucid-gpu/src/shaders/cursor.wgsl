@@ -5,6 +5,8 @@
 const BEYOND: f32 = 1e30;
 
 struct Cursor {
+    // Steps from the eye between which surfaces are looked for.
+    reach: vec2<f32>,
     // Steps from the eye to the next surface.
     ahead: f32,
     // Whether the ray meets the volume.

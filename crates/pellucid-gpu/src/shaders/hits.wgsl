@@ -33,14 +33,16 @@ fn next_segment(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
     var front = (*cursor).front;
     var is_known = (*cursor).is_known;
     var is_found = false;
-    while !is_found && n <= ray.count {
+    // The last segment that begins within reach.
+    let last = min(ray.count, floor((*cursor).reach.y - ray.entry) + 1.0);
+    while !is_found && n <= last {
 #ifdef SKIP
         let to = leap_segments(ray, n);
         (*cursor).counts.z += u32(min(to, ray.count) - min(n, ray.count));
         is_known = is_known && to == n;
         n = to;
 #endif
-        for (var i = 0u; i < RUN && n <= ray.count && !is_found; i += 1u) {
+        for (var i = 0u; i < RUN && n <= last && !is_found; i += 1u) {
             let start = ray_node(ray, n);
             if !is_known {
                 front = field_value(ray_at(ray, start));
@@ -67,7 +69,8 @@ fn next_segment(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
 // The same over the faces between nearest voxels: segments of no length.
 fn next_face(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
     const FACES: u32 = 8u;
-    var cells = cells_at(ray, 0.0);
+    // The face by which a ray comes into reach is that of the cell before.
+    var cells = cells_at(ray, max((*cursor).reach.x - ray.entry - 0.5, 0.0));
     if (*cursor).is_known {
         cells.cell = (*cursor).cell;
         meet_cell(&cells);
@@ -75,7 +78,8 @@ fn next_face(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
     // There is no face at the entry, nor behind what is leapt over.
     var front = select(ABSENT, (*cursor).front, (*cursor).is_known);
     var is_found = false;
-    while !is_found && cells.ends.x < cells.length {
+    let length = min(cells.length, (*cursor).reach.y - ray.entry);
+    while !is_found && cells.ends.x < length {
 #ifdef SKIP
         let leapt = leap_faces(ray, &cells);
         if leapt > 0.0 {
@@ -83,7 +87,7 @@ fn next_face(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
             (*cursor).counts.z += u32(leapt);
         }
 #endif
-        for (var i = 0u; i < FACES && cells.ends.x < cells.length && !is_found; i += 1u) {
+        for (var i = 0u; i < FACES && cells.ends.x < length && !is_found; i += 1u) {
             let back = field_value(ray_at(ray, (cells.ends.x + cells.ends.y) * 0.5));
             (*cursor).counts.x += 1u;
             (*cursor).ends = vec2<f32>(cells.ends.x);
@@ -100,11 +104,15 @@ fn next_face(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
 }
 #endif
 
-// At the first surface.
-fn first_hit(pixel: vec2<u32>, sub: u32) -> Cursor {
+// At the first surface between two distances, in steps from the eye.
+fn first_hit(pixel: vec2<u32>, sub: u32, reach: vec2<f32>) -> Cursor {
+    let ray = ray_of(pixel, sub);
     var cursor: Cursor;
-    cursor.is_in = ray_of(pixel, sub).count > 0.0;
+    cursor.reach = reach;
+    cursor.is_in = ray.count > 0.0;
     cursor.rank = frame.level_count;
+    // Samples lie in the steps that they are numbered by.
+    cursor.next = max(floor(reach.x - ray.entry), 0.0);
     return next_hit(pixel, sub, cursor);
 }
 
@@ -124,8 +132,13 @@ fn next_hit(pixel: vec2<u32>, sub: u32, last: Cursor) -> Cursor {
             if between(cursor.values.x, cursor.values.y, levels[number].value.x) {
                 cursor.number = number;
                 cursor.distance = place_in(ray, Segment(cursor.ends, cursor.values, 0.0), number);
-                cursor.ahead = ray.entry + cursor.distance;
-                is_looking = false;
+                let ahead = ray.entry + cursor.distance;
+                if ahead >= cursor.reach.y {
+                    is_looking = false;
+                } else if ahead >= cursor.reach.x {
+                    cursor.ahead = ahead;
+                    is_looking = false;
+                }
             }
         }
     }

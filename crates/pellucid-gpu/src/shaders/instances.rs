@@ -19,6 +19,7 @@ const SHARED: &[&str] = &[
     "merge",
     "ways",
     "slice_nodes",
+    "ahead",
     "constants",
     "slabs",
     "slab_pieces",

@@ -3,29 +3,17 @@
 #import pellucid::of0::ray::{beam_of, place_of}
 #import pellucid::of0::march::{Turn, begin_turn, end_turn, DONE, HIT, NOWHERE, TERMINATED}
 #import pellucid::of0::table::over
+#import pellucid::ahead::{cursors, look_ahead, nearest}
 #import pellucid::count::COUNT
-#import pellucid::cursor::{Cursor, BEYOND}
-#import pellucid::each_hit::{first_hit, hit, next_hit}
-
-var<private> cursors: array<Cursor, COUNT>;
-
-// The volume whose surface is ahead.
-fn nearest() -> u32 {
-    var found = 0u;
-    for (var i = 1u; i < COUNT; i += 1u) {
-        if cursors[i].ahead < cursors[found].ahead {
-            found = i;
-        }
-    }
-    return found;
-}
+#import pellucid::cursor::BEYOND
+#import pellucid::each_hit::{hit, next_hit}
 
 fn follow(turn: ptr<function, Turn>) {
     let pixel = (*turn).pixel;
     let sub = bounds.rows.ray;
     var state = (*turn).state;
+    look_ahead(pixel, sub, vec2<f32>(0.0, BEYOND));
     for (var i = 0u; i < COUNT; i += 1u) {
-        cursors[i] = first_hit(i, pixel, sub);
         if cursors[i].is_in {
             state.counts.w |= HIT;
         }

@@ -10,7 +10,8 @@ use wgpu::naga::compact::{KeepUnused, compact};
 
 use super::instances::{is_shared, text_of};
 use super::pass::{
-    APART, ISOSURFACES, LAYERS, MERGE, OF_ALL, OF_EACH, OF_ONE, SHARED, SLICE_LAYERS, SLICE_LAYERS_PIXELS, Wgsl,
+    APART, ISOSURFACES, LAYERS, MERGE, OF_ALL, OF_EACH, OF_ONE, SHARED, SLICE_ISOSURFACES, SLICE_LAYERS,
+    SLICE_LAYERS_PIXELS, Wgsl,
 };
 use super::written::{
     across, constants, count, each, each_hit, each_path, every, every_line, every_slab, every_slab_light,
@@ -80,6 +81,7 @@ type Files = Vec<(&'static str, String)>;
 fn entry_of_several(variant: &Variant) -> (&'static str, Cow<'static, str>) {
     let own = match (variant.pass, variant.traversal) {
         (Pass::Apart, _) => APART,
+        (Pass::Isosurface, Traversal::Slices) => SLICE_ISOSURFACES,
         (_, Traversal::Slices) => SLICE_LAYERS,
         (_, Traversal::SlicePixels) => SLICE_LAYERS_PIXELS,
         (Pass::Isosurface, Traversal::Rays) => ISOSURFACES,

@@ -71,9 +71,10 @@ pub(super) const OF_ONE: [Wgsl; 3] = [wgsl!("slabs_of_one"), wgsl!("line_of_one"
 pub(super) const OF_EACH: [Wgsl; 3] = [wgsl!("layer"), wgsl!("hits"), wgsl!("part")];
 
 /// What they are together; each only from those above it.
-pub(super) const OF_ALL: [Wgsl; 9] = [
+pub(super) const OF_ALL: [Wgsl; 10] = [
     MERGE,
     wgsl!("ways"),
+    wgsl!("ahead"),
     wgsl!("slice_nodes"),
     wgsl!("together"),
     wgsl!("sights"),
@@ -89,6 +90,7 @@ pub(super) const LAYERS: Wgsl = wgsl!("layers");
 pub(super) const ISOSURFACES: Wgsl = wgsl!("isosurfaces");
 pub(super) const APART: Wgsl = wgsl!("apart");
 pub(super) const SLICE_LAYERS: Wgsl = wgsl!("slice_layers");
+pub(super) const SLICE_ISOSURFACES: Wgsl = wgsl!("slice_isosurfaces");
 pub(super) const SLICE_LAYERS_PIXELS: Wgsl = wgsl!("slice_layers_pixels");
 
 /// What a pass makes of the volume.
@@ -217,9 +219,9 @@ impl Pass {
             Traversal::Rays => {
                 self.follows_together() || self.is_apart() || matches!(self, Self::Apart | Self::Resolve)
             }
-            Traversal::Slices => self.follows_together() && self != Self::Isosurface,
+            Traversal::Slices => self.follows_together(),
             // What slices through each volume have added up to is merged.
-            Traversal::SlicePixels => (self.follows_together() && self != Self::Isosurface) || self.is_apart(),
+            Traversal::SlicePixels => self.follows_together() || self.is_apart(),
         }
     }
 

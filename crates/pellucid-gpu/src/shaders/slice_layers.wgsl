@@ -6,7 +6,7 @@
 #import pellucid::of0::table::{over, over_length}
 #import pellucid::merge::merged
 #import pellucid::slice_nodes::{find_nodes, node, stride}
-#import pellucid::ways::{clear_until, each_of, end_of, whole, CLOSE}
+#import pellucid::ways::{begin, clear_until, each_of, end_of, find_ways, whole, CLOSE}
 
 struct Blended {
     @location(0) color: vec4<f32>,
@@ -16,14 +16,15 @@ struct Blended {
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>, @location(0) @interpolate(flat) slice: u32) -> Blended {
     let pixel = vec2<u32>(position.xy) + vec2<u32>(frame.size.y, bounds.rows.first);
+    find_ways(place_of(pixel, bounds.rows.ray));
     find_nodes(place_of(pixel, bounds.rows.ray));
     let jitter = jitter_of(pixel, bounds.rows.ray);
     var color = vec4<f32>(0.0);
     var counts = vec4<u32>(0u);
     for (var i = 0u; i < slices.counts.x; i += 1u) {
         let k = f32(slice * slices.counts.x + i);
-        var distance = max(node(k), 0.0);
-        let end = min(node(k + 1.0), whole);
+        var distance = max(node(k) - begin, 0.0);
+        let end = min(node(k + 1.0) - begin, whole);
         if clear_until(distance) >= end {
             continue;
         }

@@ -4,23 +4,21 @@
 #import pellucid::of0::frame::frame
 #import pellucid::of0::ray::beam_of
 #import pellucid::of0::slices::slices
-#import pellucid::ways::{begin, find_ways}
 
-// Where the first slice is, and how far it is to the next: as `ways` counts.
+// Where the first slice is, and how far it is to the next: in steps from where rays count.
 var<private> first: f32;
 var<private> stride: f32;
 
-// Finds what the ray through a place of the picture meets, in pixels.
+// Finds the nodes of the ray through a place of the picture, in pixels.
 fn find_nodes(at: vec2<f32>) {
-    find_ways(at);
     let beam = beam_of(at);
     if slices.counts.z != 0u {
         // Shells are a step apart on every ray.
-        first = -beam.to_base - slices.plane.w - begin;
+        first = -beam.to_base - slices.plane.w;
         stride = 1.0;
     } else {
         // Rays count from the first slice.
-        first = -begin;
+        first = 0.0;
         stride = 1.0 / dot(beam.world, frame.world_middle.xyz);
     }
 }

@@ -20,7 +20,7 @@ pub fn each(layers: usize) -> String {
 /// What asks one of so many layers for its surfaces, by its number.
 pub fn each_hit(layers: usize) -> String {
     let functions = [
-        ("first_hit", "pixel: vec2<u32>, sub: u32", "Cursor"),
+        ("first_hit", "pixel: vec2<u32>, sub: u32, reach: vec2<f32>", "Cursor"),
         ("next_hit", "pixel: vec2<u32>, sub: u32, last: Cursor", "Cursor"),
         ("hit", "pixel: vec2<u32>, sub: u32, cursor: Cursor, front: f32", "Hit"),
     ];

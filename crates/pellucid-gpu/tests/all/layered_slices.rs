@@ -92,6 +92,59 @@ fn projections_by_slices_are_those_of_rays() {
     assert!(seen > 60 * 100, "60 cases show {seen} pixels");
 }
 
+/// Isosurfaces of the ball and the waves, of so much opacity each.
+fn surfaces(opacities: [f64; 2]) -> String {
+    let [first, second] = opacities;
+    format!(
+        "mode.isosurface.isovalues = [{{ value = 0.5, color = \"#e0c080\", opacity = {first}, volume = 0 }}, \
+         {{ value = 0.7, opacity = 0.4, volume = 0 }}, {{ value = 190, opacity = {second}, volume = 1 }}, \
+         {{ value = 120, opacity = 0.3, volume = 1 }}]\n"
+    )
+}
+
+/// Surfaces are found where rays find them, whatever slices lie between, and hide each other as they lie.
+#[test]
+fn surfaces_in_slices_are_those_of_rays() {
+    let mut renderer = gpu(&Ceiling::default());
+    let [ball, waves] = turned();
+    let lights = "[lighting]\nlights = [{ kind.directional.direction = [0.8, 0.4, -0.5] }]\n";
+    let mut most = 0.0f32;
+    for (opacities, own, quality) in [
+        ([0.3, 0.4], "", "step = 0.7\nempty_space_skipping = false"),
+        ([1.0, 1.0], "", ""),
+        ([0.3, 0.4], "shading = true\n", "supersampling = 2\njitter.blue_noise.seed = 3"),
+        ([0.5, 0.4], "", "filter = { bc = { b = 0.3, c = 0.3 } }"),
+        ([0.5, 0.4], "", "filter = \"nearest\""),
+    ] {
+        let modes = surfaces(opacities);
+        let (first, second) = (format!("{own}{BALL}"), format!("{own}{WAVES}"));
+        let layers = [(ball.clone(), &*first), (waves.clone(), &*second)];
+        let stage = |technique: &str, camera: &str| {
+            let quality = format!("[quality]\nearly_termination = 1\n{quality}");
+            layered(&layers, &format!("{quality}\n[technique.{technique}\n{modes}{lights}{camera}"), [36, 32])
+        };
+        for camera in [NEAR, PARALLEL] {
+            let (rays, exact) = (draw(&mut renderer, &stage("ray_cast]", camera)), by_cpu(&stage("ray_cast]", camera)));
+            for more in [
+                "slicing]\ngeometry = \"shells\"",
+                "slicing]\norder = \"back_to_front\"\nsamples = 5",
+                "slicing]\ntarget = \"f16\"\nsamples = 3",
+            ] {
+                let found = draw(&mut renderer, &stage(more, camera));
+                let rounding = if more.contains("f16") { 4e-3 } else { 1e-5 };
+                let apart = difference(&found, &rays);
+                assert!(apart < rounding, "{own} {quality} {more}: {apart} from rays");
+                let off = mean(&found, &exact);
+                assert!(off < 2e-3, "{own} {quality} {more}: {off} from the CPU's rays");
+                most = most.max(off);
+                assert_eq!(found.statistics.rays_hit, rays.statistics.rays_hit, "{more}");
+            }
+            assert!(rays.color.iter().filter(|pixel| pixel[3] > 0.3).count() > 100, "{quality} shows little");
+        }
+    }
+    assert!(most > 0.0);
+}
+
 /// What fragments composite is what blending composites, whichever way.
 #[test]
 fn slabs_are_put_together_in_any_way() {
@@ -147,9 +200,9 @@ fn correction_is_that_of_one_volume() {
 #[test]
 fn the_order_of_the_list_changes_no_bit_of_slices() {
     let mut renderer = gpu(&Ceiling::default());
-    for technique in
-        ["", "geometry = \"shells\"\norder = \"back_to_front\"", "mode = \"additive\"", "mode = \"maximum\""]
-    {
+    let surfaces = "mode.isosurface.isovalues = [{ value = 0.6, opacity = 0.4 }, { value = 130, opacity = 0.3 }]";
+    let shells = "geometry = \"shells\"\norder = \"back_to_front\"";
+    for technique in ["", shells, "mode = \"additive\"", "mode = \"maximum\"", surfaces] {
         let rest = format!("[technique.slicing]\n{technique}\n{NEAR}");
         let bits = |renderer: &mut GpuRenderer, layers: &[(Arc<Volume>, &str)]| {
             let frame = draw(renderer, &layered(layers, &rest, [24, 20]));

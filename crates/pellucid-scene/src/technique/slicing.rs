@@ -133,15 +133,11 @@ impl Settings for Slicing {
     }
 
     /// Blending units hold all colours back alike, and look at no light. Slices through several volumes are composited
-    /// as they are drawn, and lie along the axes of none; values are projected volume by volume. Surfaces would have to
-    /// be met in their order.
+    /// as they are drawn, and lie along the axes of none; values are projected volume by volume.
     fn needs(&self) -> Needs {
         let through_all = matches!(self.geometry, SliceGeometry::ViewAligned | SliceGeometry::Shells);
-        let several = match self.mode {
-            Mode::Composite => through_all,
-            Mode::Isosurface(_) => false,
-            _ => true,
-        };
+        let meets_surfaces = matches!(self.mode, Mode::Isosurface(_));
+        let several = through_all || !(meets_surfaces || self.mode == Mode::Composite);
         Needs {
             light: LightPath::Arrives,
             ambient: true,
@@ -149,7 +145,7 @@ impl Settings for Slicing {
             extinction_color: false,
             shadows: false,
             several_volumes: several,
-            overlap: several,
+            overlap: several && !meets_surfaces,
             data_colors: false,
             adaptive: false,
             jitter: self.geometry != SliceGeometry::ObjectAligned,
