@@ -77,7 +77,7 @@ impl PlanCache {
             quality: stage.quality.clone(),
             mode: stage.mode().clone(),
             classifies_voxels: stage.classifies_voxels(),
-            scattering: stage.scatters().then(|| (volume.scattering.clone(), stage.technique.needs().light)),
+            scattering: stage.scatters_in(layer).then(|| (volume.scattering.clone(), stage.technique.needs().light)),
             chroma: stage.chroma(volume),
             perturbation: volume.perturbation.clone(),
         };

@@ -1,9 +1,9 @@
 //! What samples that scatter light look up, and what its indirect part loses (6.2, 6.3).
 
 use pellucid_optics::{Albedo, DataRange, OpticsError, ScatterTable, StepTable, Table, TransportTable};
-use pellucid_scene::{LightPath, Stage, StageVolume};
+use pellucid_scene::{LightPath, Stage};
 
-/// The tables of a stage whose samples scatter light as a cloud; all are empty where they do not.
+/// The tables of a layer whose samples scatter light as a cloud; all are empty where they do not.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightTables {
     /// What of scattering depends on the data.
@@ -15,14 +15,15 @@ pub struct LightTables {
 }
 
 impl LightTables {
-    /// The tables of a volume of a stage, with that of its transfer function, over a range of data values.
+    /// The tables of a layer of a stage, by its number, with that of its transfer function, over a range of data values.
     ///
     /// # Errors
     /// As [`Nodes::new`](pellucid_optics::Nodes::new).
-    pub fn new(stage: &Stage, volume: &StageVolume, table: &Table, data: &DataRange) -> Result<Self, OpticsError> {
-        if !stage.scatters() {
+    pub fn new(stage: &Stage, layer: usize, table: &Table, data: &DataRange) -> Result<Self, OpticsError> {
+        if !stage.scatters_in(layer) {
             return Ok(Self::default());
         }
+        let volume = &stage.volumes[layer];
         let scattering = &volume.scattering;
         let ratio = stage.step / volume.unit_distance();
         let albedo = (scattering.albedo != Albedo::Color).then(|| {

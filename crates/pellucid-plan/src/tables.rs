@@ -89,7 +89,7 @@ impl Tables {
         let table = Table::for_data(tf, &range)?;
         let chroma = stage.chroma(volume);
         let step_table = StepTable::of(&table, ratio as f32, chroma.as_ref())?;
-        let light = LightTables::new(stage, volume, &table, &range)?;
+        let light = LightTables::new(stage, layer, &table, &range)?;
         let composited = matches!(stage.mode(), Mode::Composite);
         let preintegration =
             (composited && quality.classification == Classification::PreIntegrated && chroma.is_none())

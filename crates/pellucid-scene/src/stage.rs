@@ -81,6 +81,13 @@ impl Stage {
         }
     }
 
+    /// Whether samples of a volume, by its number, do: where light arrives at samples, those that give others their colours
+    /// alone are not lit once more.
+    pub fn scatters_in(&self, volume: usize) -> bool {
+        let arrives = self.technique.needs().light == LightPath::Arrives;
+        self.scatters() && (!arrives || self.overlap.holds_back(volume))
+    }
+
     /// The step of shadow rays in world units, if what is lit of a volume asks for such.
     pub fn shadow_step(&self, volume: &StageVolume) -> Option<f64> {
         let smallest = self.volumes.iter().map(|volume| volume.volume.grid().smallest_spacing());

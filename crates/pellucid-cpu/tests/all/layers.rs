@@ -185,6 +185,36 @@ fn one_volume_gives_its_colors_to_another() {
     }
 }
 
+/// Light from the eye is scattered evenly by the one that holds it back, once; the other is seen in no light of its own.
+#[test]
+fn volumes_that_give_colors_scatter_no_light() {
+    let [(first, _), (second, _)] = boxes([0.5; 2]);
+    let layers = [(first, homogeneous(0.2)), (second, transfer_function(&[(0.0, 0x00ff00)], &[(0.0, 0.3)]))];
+    let kappa = -(0.8f64).ln();
+    // What is in its own shadow is lessened twice.
+    let shadows = Shadows::Rays(ShadowRays { step: 0.1 });
+    for (shadows, lessened, most) in [(Shadows::None, kappa, 2e-5), (shadows, 2.0 * kappa, 2e-4)] {
+        let stage = stage(&layers, |scene| {
+            for entry in &mut scene.volumes {
+                entry.scattering = Scattering { phase: Phase::Isotropic, ..Scattering::default() };
+            }
+            scene.overlap = Overlap::Fused { color: 1, opacity: 0 };
+            scene.lighting.lights = vec![Light::new(LightKind::Directional { direction: [0.0, 1.0, 0.0] })];
+            (scene.lighting.model, scene.lighting.shadows) = (LightModel::Scattering, shadows);
+            (scene.lighting.ambient, scene.quality.step) = (0.0, 0.1);
+        });
+        let found = center(&render(&stage));
+        // A quarter of what a white surface sends.
+        let sent = |from: f64, to: f64| 0.25 * kappa / lessened * ((-lessened * from).exp() - (-lessened * to).exp());
+        let (white, green) = (sent(0.0, 4.37), sent(4.37, 8.0));
+        let expected = [white, white + green, white, -(-kappa * 8.0).exp_m1()];
+        for channel in 0..4 {
+            let difference = (f64::from(found[channel]) - expected[channel]).abs();
+            assert!(difference < most, "{shadows:?}: {found:?}, exact {expected:?}");
+        }
+    }
+}
+
 /// Two balls, one in the other, on grids that are turned and spaced otherwise.
 fn balls() -> [(Arc<Volume>, TransferFunction); 2] {
     let ball = |turn: DQuat, spacing: DVec3, n: usize, radius: f64| {

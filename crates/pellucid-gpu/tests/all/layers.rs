@@ -128,7 +128,8 @@ fn layers_are_those_of_the_cpu() {
         ("", "shading = true\n", volumes.clone()),
         ("overlap = \"maximum\"", "shading = true\n", volumes.clone()),
         ("overlap = \"priority\"", "shading = true\n", volumes),
-        ("", unlit, clouds),
+        ("", unlit, clouds.clone()),
+        ("overlap.fused = { color = 1, opacity = 0 }", unlit, clouds),
         ("", unlit, "[quality]\nfilter = { bc = { b = 0.3, c = 0.3 } }\n".to_owned()),
         ("", unlit, "[[clips]]\nplane = { point = [1, 0, 0], normal = [0.6, 0.2, -0.7] }\n".to_owned()),
     ];
