@@ -58,7 +58,7 @@ def bench(program, scene, folder, options, flags, early=None):
     """What `pellucid bench` tells of a scene."""
     document = pathlib.Path(folder) / f'{scene["name"]}.toml'
     document.write_text(peers_scene.convert(scene, options.size, early, data=peers.ENV['PEERS_DATA']))
-    return json.loads(peers.run([program, 'bench', document, '--json', '-', '--quiet', '--orbit',
+    return json.loads(peers.run([program, 'bench', document, '--allow-outside', '--json', '-', '--quiet', '--orbit',
                                  scene['orbit']['degrees'], *flags]))
 
 
