@@ -11,8 +11,9 @@ use crate::lanes::*;
 use crate::medium::{Beam, Integrals, OneGrid};
 use crate::packet::{Packet, Rays};
 use crate::samples::March;
-use crate::segments::{Segment, Verdict, Visit, each_segment};
+use crate::segments::each_segment;
 use crate::vary::Vary;
+use crate::walk::{Segment, Verdict, Visit};
 
 /// The accumulated light of every ray.
 pub struct Accumulator<S: Lanes> {

@@ -4,14 +4,14 @@ use crate::field::Field;
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
 use crate::light::{Aim, Unlit, normals};
-use crate::medium::{Crossed, Level, OneGrid, crosses};
+use crate::medium::{Crossed, Isolevels, OneGrid, crosses};
 use crate::packet::{Packet, Rays};
-use crate::segments::{Segment, Verdict, Visit, each_surface};
+use crate::walk::{Segment, Verdict, Visit};
 
 /// Shaded isosurfaces.
 pub struct Isosurfaces<'a, S, F> {
     /// What lies along rays: the surfaces, in ascending order.
-    pub medium: OneGrid<'a, S, F, Vec<Level>>,
+    pub medium: OneGrid<'a, S, F, Isolevels>,
     /// Opacity at which a ray stops.
     pub early_termination: f32,
 }
@@ -127,14 +127,14 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
         let met = Surfacing { color: [zero; 4], depth: splat(s, f32::INFINITY), normal: [zero; 3], aim, hits };
         let crossed = Crossed { distance: [zero; 2], value: [zero; 2], lanes: none };
         let mut search = Search { mode: self, rays, crossed, met };
-        each_surface(s, &self.medium.field, rays, self.medium.skip, counter, &mut search);
+        self.medium.each_piece(rays, counter, &mut search);
         search.met
     }
 
     /// Adds the surfaces that segments cross, nearest first. Returns the rays that are done.
     #[inline(always)]
     fn meet(&self, rays: &Rays<S>, crossed: &Crossed<S>, met: &mut Surfacing<S>, counter: &mut Counter<S>) -> Mask<S> {
-        let (s, levels) = (self.medium.s, &self.medium.optics);
+        let (s, levels) = (self.medium.s, &self.medium.optics.each);
         let mut done = all(s, false);
         // A ray leaves the value at the segment's start and meets levels in the order of value.
         let rising = crossed.value[1].simd_gt(crossed.value[0]);

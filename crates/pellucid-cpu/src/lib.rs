@@ -25,6 +25,7 @@ mod light;
 mod lines;
 mod medium;
 mod modes;
+mod monotone;
 mod packet;
 mod paint;
 mod path_trace;
@@ -44,6 +45,7 @@ mod source;
 mod test_random;
 mod tiles;
 mod vary;
+mod walk;
 
 pub use error::RenderError;
 pub use lanes::InstructionSet;

@@ -131,6 +131,25 @@ impl SkipGrid {
         reach.simd_gt(zero).select(self.layout.leave(s, p, &met, reach, inverse).max(zero), zero)
     }
 
+    /// Goes on to the first cells, in open lanes, that may contribute, from the face by which one is entered, which is not
+    /// looked at if the cell is left. Returns the lanes that have leapt, and how far, in steps.
+    #[inline(always)]
+    pub fn leap_cells<S: Lanes>(&self, s: S, rays: &Rays<S>, cells: &mut Cells<S>, open: Mask<S>) -> (Mask<S>, F32<S>) {
+        let (begin, mut leapt) = (cells.ends[0], all(s, false));
+        loop {
+            let from = cells.ends[0];
+            let to = from + self.way(s, &rays.at(from), &rays.inverse);
+            let leaps = open & cells.are_there() & to.simd_gt(cells.ends[1]);
+            cells.leap(s, to, leaps);
+            // Rounding may leave a ray where it is.
+            let moved = leaps & cells.ends[0].simd_gt(from);
+            if !moved.any_true() {
+                return (leapt, cells.ends[0].min(rays.length()).max(begin) - begin);
+            }
+            leapt |= moved;
+        }
+    }
+
     /// The first sample or node from number k on, in every open lane, that may contribute, or one
     /// beyond the last.
     #[inline(always)]

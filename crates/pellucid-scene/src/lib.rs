@@ -68,5 +68,5 @@ pub use stage_volume::StageVolume;
 pub use technique::{
     BlendOrder, BlurJitter, BlurScaling, ColorWeight, Combine, Correction, HalfAngle, InScatter, Isosurface, Isovalue,
     LightCorrection, LightPath, Likeness, Majorants, Mode, Needs, PathTrace, Proxy, RayCast, Slice, SliceGeometry,
-    SliceTarget, Slicing, TECHNIQUES, Technique,
+    SliceTarget, Slicing, SurfaceSearch, TECHNIQUES, Technique,
 };

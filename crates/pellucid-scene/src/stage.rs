@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::origin::smallest_difference;
 use crate::{
     Background, Classification, HalfAngle, ImageSettings, Isosurface, Isovalue, LightPath, Mode, Overlap, PathTrace,
-    Quality, Region, RenderWarning, Slice, Slicing, StageVolume, Technique, Viewpoint,
+    Quality, Region, RenderWarning, Slice, Slicing, StageVolume, SurfaceSearch, Technique, Viewpoint,
 };
 
 /// A scene with nothing left to choose: what a backend draws.
@@ -51,11 +51,19 @@ impl Stage {
 
     /// The isovalues that a volume is drawn with, by its number, in ascending order; they count from its origin.
     pub fn isovalues(&self, volume: usize) -> Vec<Isovalue> {
-        let Mode::Isosurface(Isosurface { isovalues }) = self.mode() else { return Vec::new() };
+        let Mode::Isosurface(Isosurface { isovalues, .. }) = self.mode() else { return Vec::new() };
         let own = isovalues.iter().filter(|iso| iso.volume.is_none_or(|of| of == volume));
         // Those of the stage count from the first volume's.
         let shift = self.volumes[volume].origin - self.volumes[0].origin;
         own.map(|iso| Isovalue { value: iso.value - shift, ..iso.clone() }).collect()
+    }
+
+    /// How rays look for isosurfaces.
+    pub fn surface_search(&self) -> SurfaceSearch {
+        match self.mode() {
+            Mode::Isosurface(surfaces) => surfaces.search,
+            _ => SurfaceSearch::default(),
+        }
     }
 
     /// The settings of slices, if those draw.

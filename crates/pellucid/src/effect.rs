@@ -2,10 +2,11 @@
 
 use std::fmt;
 
+use pellucid_field::Filter;
 use pellucid_optics::SurfaceShare;
 use pellucid_scene::{
-    Classification, Combine, Isosurface, LightPath, Mode, Orbit, Scene, Slice, Source, Stage, StageVolume, View,
-    VolumeEntry,
+    Classification, Combine, Isosurface, LightPath, Mode, Orbit, Scene, Slice, Source, Stage, StageVolume,
+    SurfaceSearch, View, VolumeEntry,
 };
 use serde_json::Value;
 
@@ -119,11 +120,12 @@ const NEEDS: &[(&str, &[Need])] = &[
     ("lighting.shadows", &[LIT, SHADOWED]),
     ("lighting.model", &[SAMPLES_OF_RAYS_OR_SLICES, COMPOSITED]),
     ("technique.*.mode.slice.combine", &[THICK]),
+    ("technique.*.mode.isosurface.search", &[TRILINEAR, SEARCHED_ALONG_RAYS]),
     ("technique.path_trace.surface_depth", &[MADE_OF_SURFACES]),
-    ("quality.step", &[NOT_BY_PATHS, NOT_A_PLANE, NOT_AN_EXTREME]),
+    ("quality.step", &[NOT_BY_PATHS, NOT_A_PLANE, NOT_AN_EXTREME, NOT_EVERY_SURFACE]),
     ("quality.gradient", &[MADE_OF_SURFACES, SHADED]),
     ("quality.classification", &[SAMPLES_OF_RAYS_OR_SLICES, COMPOSITED]),
-    ("quality.jitter", &[NOT_A_PLANE, NOT_AN_EXTREME, NOT_THE_VOLUMES_PLANES]),
+    ("quality.jitter", &[NOT_A_PLANE, NOT_AN_EXTREME, NOT_EVERY_SURFACE, NOT_THE_VOLUMES_PLANES]),
     ("quality.early_termination", &[NOT_BY_PATHS, BECOMES_OPAQUE, NEAREST_FIRST]),
     ("quality.adaptive_tolerance", &[ADAPTIVE, COMPOSITED, POST_CLASSIFIED]),
     ("quality.supersampling", &[NOT_BY_PATHS]),
@@ -150,7 +152,7 @@ const FREE: Need = Need { is_met: |drawn| drawn.scene.camera.frames(), otherwise
 
 const CLASSIFIED: Need = Need {
     is_met: |drawn| match drawn.stage.mode() {
-        Mode::Isosurface(Isosurface { isovalues }) => isovalues.iter().any(|iso| iso.color.is_none()),
+        Mode::Isosurface(Isosurface { isovalues, .. }) => isovalues.iter().any(|iso| iso.color.is_none()),
         _ => true,
     },
     otherwise: "every isosurface has a colour of its own",
@@ -304,6 +306,27 @@ const NOT_AN_EXTREME: Need = Need {
     otherwise: "the extreme of a ray is found in every cell that it passes, wherever samples are",
 };
 
+const NOT_EVERY_SURFACE: Need = Need {
+    is_met: |drawn| {
+        let is_searched = matches!(drawn.stage.mode(), Mode::Isosurface(_)) && drawn.stage.slicing().is_none();
+        !is_searched || drawn.stage.surface_search() == SurfaceSearch::Sampled || !(TRILINEAR.is_met)(drawn)
+    },
+    otherwise: "every surface is found in the cells that a ray passes, wherever samples are",
+};
+
+const TRILINEAR: Need = Need {
+    is_met: |drawn| {
+        let is_displaced = drawn.stage.volumes.iter().any(|volume| volume.perturbation.displaces());
+        drawn.stage.quality.filter == Filter::Linear && !is_displaced
+    },
+    otherwise: "surfaces are looked for between samples: a ray through cells is a cubic under the linear filter alone",
+};
+
+const SEARCHED_ALONG_RAYS: Need = Need {
+    is_met: |drawn| drawn.stage.slicing().is_none() || drawn.stage.has_layers(),
+    otherwise: "slices look for surfaces between themselves",
+};
+
 const NOT_THE_VOLUMES_PLANES: Need = Need {
     is_met: |drawn| drawn.stage.technique.needs().jitter,
     otherwise: "object-aligned slices lie on the planes of the voxels",
@@ -312,7 +335,7 @@ const NOT_THE_VOLUMES_PLANES: Need = Need {
 const BECOMES_OPAQUE: Need = Need {
     is_met: |drawn| match drawn.stage.mode() {
         Mode::Composite => true,
-        Mode::Isosurface(Isosurface { isovalues }) => isovalues.iter().any(|iso| iso.opacity < 1.0),
+        Mode::Isosurface(Isosurface { isovalues, .. }) => isovalues.iter().any(|iso| iso.opacity < 1.0),
         _ => false,
     },
     otherwise: "no ray becomes opaque little by little",

@@ -117,7 +117,7 @@ impl TechniqueFlags {
             *mode = given.clone();
         }
         if !self.iso.is_empty() {
-            *mode = Mode::Isosurface(Isosurface { isovalues: self.iso.clone() });
+            *mode = Mode::Isosurface(Isosurface::new(self.iso.clone()));
         }
         if let Some(plane) = self.slice {
             *mode = Mode::Slice(Slice { normal: Some(plane.normal), ..slice_of(mode).cloned().unwrap_or_default() });

@@ -3,9 +3,9 @@
 use std::ops::Deref;
 
 use glam::DVec3;
-use pellucid_field::{Reconstruct, Sampler};
+use pellucid_field::{Filter, Reconstruct, Sampler};
 
-use super::{Corners, Field, Knots, Near, Probe};
+use super::{Corners, Course, Field, Knots, Near, Probe};
 use crate::lanes::*;
 
 /// Any reconstruction, in f64, one lane after the other: for what lanes cannot read, as several
@@ -25,6 +25,10 @@ impl<S: Lanes> Field<S> for General<'_> {
 
     fn knots(&self) -> Knots {
         self.1
+    }
+
+    fn is_cubic(&self) -> bool {
+        self.0.field().filter() == Filter::Linear
     }
 }
 
@@ -67,6 +71,16 @@ impl<S: Lanes, P: Deref<Target: Field<S>> + Sync> Field<S> for P {
     #[inline(always)]
     fn highest(&self, s: S, piece: &[Vec3<S>; 2], sign: f32, above: F32<S>, lanes: Mask<S>) -> [F32<S>; 2] {
         (**self).highest(s, piece, sign, above, lanes)
+    }
+
+    #[inline(always)]
+    fn is_cubic(&self) -> bool {
+        (**self).is_cubic()
+    }
+
+    #[inline(always)]
+    fn course(&self, s: S, piece: &[Vec3<S>; 2], range: [F32<S>; 2], lanes: Mask<S>) -> Course<S> {
+        (**self).course(s, piece, range, lanes)
     }
 
     #[inline(always)]
@@ -122,6 +136,17 @@ impl<S: Lanes, F: Field<S>> Field<S> for Entered<F> {
         s.vectorize(
             #[inline(always)]
             || self.0.highest(s, piece, sign, above, lanes),
+        )
+    }
+
+    fn is_cubic(&self) -> bool {
+        self.0.is_cubic()
+    }
+
+    fn course(&self, s: S, piece: &[Vec3<S>; 2], range: [F32<S>; 2], lanes: Mask<S>) -> Course<S> {
+        s.vectorize(
+            #[inline(always)]
+            || self.0.course(s, piece, range, lanes),
         )
     }
 

@@ -2,7 +2,7 @@
 
 use pellucid_field::Filter;
 
-use super::Field;
+use super::{Course, Cubic, Field};
 use crate::lanes::*;
 
 /// Planes across every axis, in index space: `x * per_voxel + shift` is a whole number on them.
@@ -32,6 +32,35 @@ impl Knots {
     }
 }
 
+/// How far inside a piece its ends are looked at, as a share of it: where a voxel is absent the field ends there, and
+/// rounding must not decide on which side a look is.
+const INSIDE: f32 = 1e-3;
+
+/// Where four looks are, and how far one is from the next, as shares of a piece.
+fn looks(knots: Knots) -> [f32; 2] {
+    let first = if knots == Knots::BOTH { INSIDE } else { 0.0 };
+    [first, (1.0 - 2.0 * first) / 3.0]
+}
+
+/// [`Field::course`] for fields that are asked four times.
+#[inline(always)]
+pub fn course_sampled<S: Lanes, F: Field<S> + ?Sized>(
+    s: S,
+    field: &F,
+    [from, to]: &[Vec3<S>; 2],
+    lanes: Mask<S>,
+) -> Course<S> {
+    let ([first, third], way) = (looks(field.knots()), xyz!(I => to[I] - from[I]));
+    let values = rgba!(N => look(s, field, from, &way, splat(s, first + third * N as f32), 1.0, lanes));
+    let [a, b] = [values[0] + values[1], values[2] + values[3]];
+    let present = (a + b).is_finite();
+    Course {
+        passes: lanes & present,
+        cubic: Cubic::through(values).measured(s, 1.0 / third, -first / third),
+        value: present.select(values[0], splat(s, f32::NAN)),
+    }
+}
+
 /// [`Field::highest`] for fields of which no more is known than that they are smooth: of four looks, and where the
 /// cubic through these is largest. Trilinear fields are such cubics.
 #[inline(always)]
@@ -42,30 +71,18 @@ pub fn highest_sampled<S: Lanes, F: Field<S> + ?Sized>(
     sign: f32,
     lanes: Mask<S>,
 ) -> [F32<S>; 2] {
-    /// How far inside the piece its ends are looked at, as a share of it: where a voxel is absent the field ends
-    /// there, and rounding must not decide on which side a look is.
-    const INSIDE: f32 = 1e-3;
     let (knots, half) = (field.knots(), splat(s, 0.5));
     let way = xyz!(I => to[I] - from[I]);
     if knots == Knots::FACES {
         return [look(s, field, from, &way, half, sign, lanes), half];
     }
-    let first = if knots == Knots::BOTH { INSIDE } else { 0.0 };
-    let third = (1.0 - 2.0 * first) / 3.0;
+    let [first, third] = looks(knots);
     let parts = rgba!(N => splat(s, first + third * N as f32));
-    let looks = rgba!(N => look(s, field, from, &way, parts[N], sign, lanes));
-    let front = larger::<S>([looks[0], parts[0]], [looks[1], parts[1]]);
-    let back = larger::<S>([looks[2], parts[2]], [looks[3], parts[3]]);
+    let values = rgba!(N => look(s, field, from, &way, parts[N], sign, lanes));
+    let front = larger::<S>([values[0], parts[0]], [values[1], parts[1]]);
+    let back = larger::<S>([values[2], parts[2]], [values[3], parts[3]]);
     let mut best = larger::<S>(front, back);
-    // Newton's differences, and from them the powers.
-    let differences = xyz!(I => looks[I + 1] - looks[I]);
-    let seconds = [differences[1] - differences[0], differences[2] - differences[1]];
-    let cubed = (seconds[1] - seconds[0]) * (1.0 / 6.0);
-    let squared = seconds[0] * 0.5 - cubed * 3.0;
-    let linear = differences[0] - squared - cubed;
-    let root = squared.mul_add(squared, cubed * linear * -3.0).sqrt();
-    let sum = squared.simd_lt(splat(s, 0.0)).select(root - squared, -root - squared);
-    for place in [sum / (cubed * 3.0), linear / sum] {
+    for place in Cubic::through(values).turns(s) {
         // Numbers that are none are not inside.
         let inside = lanes & place.simd_gt(splat(s, 0.0)) & place.simd_lt(splat(s, 3.0));
         if inside.any_true() {

@@ -1,6 +1,7 @@
 //! "What is the field here?": one answer for samples, gradients and surfaces, for all lanes.
 
 mod cube;
+mod cubic;
 mod displaced;
 mod general;
 mod kernel;
@@ -13,6 +14,7 @@ mod turbulence;
 mod voxel;
 mod word;
 
+pub use cubic::{Course, Cubic};
 pub use displaced::{Displaced, Moved};
 pub use general::{Any, Entered, General, lane_position};
 pub use knots::Knots;
@@ -89,5 +91,17 @@ pub trait Field<S: Lanes>: Sync {
     #[inline(always)]
     fn highest(&self, s: S, piece: &[Vec3<S>; 2], sign: f32, _above: F32<S>, lanes: Mask<S>) -> [F32<S>; 2] {
         knots::highest_sampled(s, self, piece, sign, lanes)
+    }
+
+    /// Whether the field is a cubic on every such piece: trilinear interpolation is (5.5-8, G-03).
+    #[inline(always)]
+    fn is_cubic(&self) -> bool {
+        false
+    }
+
+    /// That cubic, at least where any of its values lies within a range, ends included.
+    #[inline(always)]
+    fn course(&self, s: S, piece: &[Vec3<S>; 2], _range: [F32<S>; 2], lanes: Mask<S>) -> Course<S> {
+        knots::course_sampled(s, self, piece, lanes)
     }
 }

@@ -4,9 +4,9 @@ use pellucid_field::{ComponentView, Filter, Gradient, Kernel, Sampler};
 
 use super::cube::Cubes;
 use super::general::{gradient_of_each, value_of_each};
-use super::knots::highest_sampled;
+use super::knots::{course_sampled, highest_sampled};
 use super::taps::Bounds;
-use super::{Corners, Field, Knots, Probe, Texel, Trilinear};
+use super::{Corners, Course, Field, Knots, Probe, Texel, Trilinear};
 use crate::lanes::*;
 
 /// A volume of voxels of type `T` under a filter and a gradient estimator whose weights are products
@@ -141,6 +141,18 @@ impl<S: Lanes, T: Texel> Field<S> for Separable<'_, T> {
         match &self.values {
             Reading::Linear(field) => field.highest(s, piece, sign, above, lanes),
             Reading::Nearest | Reading::Sum(_) => highest_sampled(s, self, piece, sign, lanes),
+        }
+    }
+
+    fn is_cubic(&self) -> bool {
+        matches!(self.values, Reading::Linear(_))
+    }
+
+    #[inline(always)]
+    fn course(&self, s: S, piece: &[Vec3<S>; 2], range: [F32<S>; 2], lanes: Mask<S>) -> Course<S> {
+        match &self.values {
+            Reading::Linear(field) => field.course(s, piece, range, lanes),
+            Reading::Nearest | Reading::Sum(_) => course_sampled(s, self, piece, lanes),
         }
     }
 }

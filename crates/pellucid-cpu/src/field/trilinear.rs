@@ -4,7 +4,7 @@ use pellucid_field::{ComponentView, Linear};
 
 use super::general::{gradient_of_each, value_of_each};
 use super::taps::Bounds;
-use super::{Corners, Field, Knots, Near, Probe, Quad, Texel};
+use super::{Corners, Course, Cubic, Field, Knots, Near, Probe, Quad, Texel};
 use crate::lanes::*;
 
 /// A volume of voxels of type `T` under the trilinear filter.
@@ -25,6 +25,16 @@ pub struct Trilinear<'a, T> {
     gradient_map: [[f32; 3]; 3],
     exact: Probe<'a, Linear<'a, T>>,
     has_holes: bool,
+}
+
+/// The stored voxels around pieces of rays.
+struct Edges<S: Lanes> {
+    /// The lowest of each.
+    voxel: [I32<S>; 3],
+    /// The rows along x at (y, z), as [`Cell`]s have them; those that are absent have the value of the nearest.
+    rows: [[F32<S>; 2]; 4],
+    /// Lanes in which the field is there.
+    lanes: Mask<S>,
 }
 
 /// Where positions lie among the voxels.
@@ -82,6 +92,30 @@ impl<'a, T: Texel> Trilinear<'a, T> {
     fn at_end<S: Lanes>(&self, s: S, offset: I32<S>, behind: usize) -> bool {
         let last = self.data.len() as i64 - 1 - behind as i64;
         offset.simd_gt(whole(s, last as i32)).any_true()
+    }
+
+    /// The voxels around pieces of rays, with no knot between their ends.
+    #[inline(always)]
+    fn edges<S: Lanes>(&self, s: S, [from, to]: &[Vec3<S>; 2], mut lanes: Mask<S>) -> Edges<S> {
+        let Cell { voxel, offset, u: middle } = self.locate(s, &xyz!(I => (from[I] + to[I]) * 0.5));
+        let [dy, dz] = self.stride;
+        let at_end = T::OVERREAD > 0 && self.at_end(s, offset, (dy + dz) as usize + 1 + T::OVERREAD);
+        let steps = [0, dy, dz, dy + dz];
+        // SAFETY: `locate` gives a cell of the grid, and the rows at dy, dz and dy + dz are its
+        // other edges.
+        let mut rows = unsafe { rgba!(R => T::pair(s, self.data, offset, steps[R], at_end)) };
+        if self.has_holes {
+            // No piece passes from the part of one voxel to that of another, and there is none where that is absent.
+            let high = xyz!(I => middle[I].simd_ge(splat(s, 0.5)));
+            let [a, b, c, d] = rgba!(R => high[0].select(rows[R][1], rows[R][0]));
+            let nearest = high[2].select(high[1].select(d, c), high[1].select(b, a));
+            lanes &= nearest.is_finite();
+            rows = rgba!(R => {
+                let [a, b] = rows[R];
+                [a.is_finite().select(a, nearest), b.is_finite().select(b, nearest)]
+            });
+        }
+        Edges { voxel, rows, lanes }
     }
 
     /// Two neighbours along x, `d` voxels from a place, interpolated.
@@ -290,63 +324,80 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
     /// Along a ray the interpolation in a cell is a cubic, whose largest value is known; none is more than the
     /// largest voxel, so that most cells need no more than that.
     #[inline(always)]
-    fn highest(&self, s: S, [from, to]: &[Vec3<S>; 2], sign: f32, above: F32<S>, lanes: Mask<S>) -> [F32<S>; 2] {
+    fn highest(&self, s: S, piece: &[Vec3<S>; 2], sign: f32, above: F32<S>, lanes: Mask<S>) -> [F32<S>; 2] {
         let (zero, one) = (splat(s, 0.0), splat(s, 1.0));
-        let Cell { voxel, offset, u: middle } = self.locate(s, &xyz!(I => (from[I] + to[I]) * 0.5));
-        let [dy, dz] = self.stride;
-        let at_end = T::OVERREAD > 0 && self.at_end(s, offset, (dy + dz) as usize + 1 + T::OVERREAD);
-        let steps = [0, dy, dz, dy + dz];
-        // SAFETY: `locate` gives a cell of the grid, and the rows at dy, dz and dy + dz are its
-        // other edges.
-        let mut rows = unsafe { rgba!(R => T::pair(s, self.data, offset, steps[R], at_end)) };
-        let mut lanes = lanes;
-        if self.has_holes {
-            // No piece passes from the part of one voxel to that of another, and there is none where that is absent.
-            let high = xyz!(I => middle[I].simd_ge(splat(s, 0.5)));
-            let [a, b, c, d] = rgba!(R => high[0].select(rows[R][1], rows[R][0]));
-            let nearest = high[2].select(high[1].select(d, c), high[1].select(b, a));
-            lanes &= nearest.is_finite();
-            rows = rgba!(R => {
-                let [a, b] = rows[R];
-                [a.is_finite().select(a, nearest), b.is_finite().select(b, nearest)]
-            });
-        }
+        let Edges { voxel, mut rows, lanes } = self.edges(s, piece, lanes);
         if sign * self.scale < 0.0 {
             rows = rgba!(R => [-rows[R][0], -rows[R][1]]);
         }
         let (scale, shift) = (splat(s, self.scale.abs()), splat(s, sign * self.offset));
-        let [a, b, c, d] = rgba!(R => rows[R][0].max(rows[R][1]));
-        let top = a.max(b).max(c.max(d));
+        let top = highest_of::<S>(&rows);
         let none = splat(s, f32::NEG_INFINITY);
         let live = lanes & top.is_finite() & top.mul_add(scale, shift).simd_gt(above);
         if !live.any_true() {
             return [none, zero];
         }
-        let start = xyz!(I => (from[I] - voxel[I].to_float::<F32<S>>()).max(zero).min(one));
-        let way = xyz!(I => (to[I] - voxel[I].to_float::<F32<S>>()).max(zero).min(one) - start[I]);
-        let [a, b, c, d] = rgba!(R => {
-            let [left, right] = rows[R];
-            between::<S>(&[left, zero, zero, zero], &[right, zero, zero, zero], start[0], way[0])
-        });
-        let (near, far) = (between::<S>(&a, &b, start[1], way[1]), between::<S>(&c, &d, start[1], way[1]));
-        let cubic = between::<S>(&near, &far, start[2], way[2]);
-        let [c0, c1, c2, c3] = cubic;
-        let end = polynomial::<S>(&cubic, one);
-        let rises = end.simd_gt(c0);
-        let (mut best, mut part) = (rises.select(end, c0), rises.select(one, zero));
-        // Where the slope `c1 + 2 c2 t + 3 c3 t^2` is 0; numbers that are none are not between 0 and 1.
-        let root = c2.mul_add(c2, c3 * c1 * -3.0).sqrt();
-        let sum = c2.simd_lt(zero).select(root - c2, -root - c2);
-        for t in [sum / (c3 * 3.0), c1 / sum] {
+        let cubic = along(s, &rows, &voxel, piece);
+        let (start, end) = (cubic.0[0], cubic.at(one));
+        let rises = end.simd_gt(start);
+        let (mut best, mut part) = (rises.select(end, start), rises.select(one, zero));
+        for t in cubic.turns(s) {
+            // Numbers that are none are not between 0 and 1.
             let inside = live & t.simd_gt(zero) & t.simd_lt(one);
             if inside.any_true() {
-                let value = polynomial::<S>(&cubic, t);
+                let value = cubic.at(t);
                 let better = inside & value.simd_gt(best);
                 (best, part) = (better.select(value, best), better.select(t, part));
             }
         }
         [live.select(best.min(top).mul_add(scale, shift), none), part]
     }
+
+    #[inline(always)]
+    fn is_cubic(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn course(&self, s: S, piece: &[Vec3<S>; 2], [from, to]: [F32<S>; 2], lanes: Mask<S>) -> Course<S> {
+        let Edges { voxel, rows, lanes } = self.edges(s, piece, lanes);
+        let (scale, offset) = (splat(s, self.scale), splat(s, self.offset));
+        let ends = [lowest_of::<S>(&rows), highest_of::<S>(&rows)].map(|stored| stored.mul_add(scale, offset));
+        let [low, high] = if self.scale < 0.0 { [ends[1], ends[0]] } else { ends };
+        let present = lanes & low.is_finite() & high.is_finite();
+        let (passes, value) = (present & low.simd_le(to) & high.simd_ge(from), present.select(low, splat(s, f32::NAN)));
+        let stored = if passes.any_true() { along(s, &rows, &voxel, piece).0 } else { [splat(s, 0.0); 4] };
+        let [c0, c1, c2, c3] = stored;
+        Course { passes, cubic: Cubic([c0.mul_add(scale, offset), c1 * scale, c2 * scale, c3 * scale]), value }
+    }
+}
+
+/// The smallest of the voxels around.
+#[inline(always)]
+fn lowest_of<S: Lanes>(rows: &[[F32<S>; 2]; 4]) -> F32<S> {
+    let [a, b, c, d] = rgba!(R => rows[R][0].min(rows[R][1]));
+    a.min(b).min(c.min(d))
+}
+
+/// The largest of the voxels around.
+#[inline(always)]
+fn highest_of<S: Lanes>(rows: &[[F32<S>; 2]; 4]) -> F32<S> {
+    let [a, b, c, d] = rgba!(R => rows[R][0].max(rows[R][1]));
+    a.max(b).max(c.max(d))
+}
+
+/// The interpolation along pieces of rays in the cells of voxels with such rows.
+#[inline(always)]
+fn along<S: Lanes>(s: S, rows: &[[F32<S>; 2]; 4], voxel: &[I32<S>; 3], [from, to]: &[Vec3<S>; 2]) -> Cubic<S> {
+    let (zero, one) = (splat(s, 0.0), splat(s, 1.0));
+    let start = xyz!(I => (from[I] - voxel[I].to_float::<F32<S>>()).max(zero).min(one));
+    let way = xyz!(I => (to[I] - voxel[I].to_float::<F32<S>>()).max(zero).min(one) - start[I]);
+    let [a, b, c, d] = rgba!(R => {
+        let [left, right] = rows[R];
+        between::<S>(&[left, zero, zero, zero], &[right, zero, zero, zero], start[0], way[0])
+    });
+    let (near, far) = (between::<S>(&a, &b, start[1], way[1]), between::<S>(&c, &d, start[1], way[1]));
+    Cubic(between::<S>(&near, &far, start[2], way[2]))
 }
 
 /// The difference of the values one voxel after and one before a position between the middle two of
@@ -372,10 +423,4 @@ fn between<S: Lanes>(p: &[F32<S>; 4], q: &[F32<S>; 4], start: F32<S>, way: F32<S
         way.mul_add(step[1], start.mul_add(step[2], p[2])),
         way * step[2],
     ]
-}
-
-/// A cubic at a place.
-#[inline(always)]
-fn polynomial<S: Lanes>(cubic: &[F32<S>; 4], t: F32<S>) -> F32<S> {
-    cubic[3].mul_add(t, cubic[2]).mul_add(t, cubic[1]).mul_add(t, cubic[0])
 }

@@ -3,7 +3,7 @@
 use pellucid_field::Sampler;
 use pellucid_scene::Classification;
 
-use super::{Emission, Integrals, Level, OneGrid, ValueOptics};
+use super::{Emission, Integrals, Isolevels, Level, OneGrid, ValueOptics};
 use crate::classify::{Classify, Lookup, Post, Pre, PreEach, Segments};
 use crate::field::{Any, Field, Moved};
 use crate::lanes::Lanes;
@@ -114,10 +114,10 @@ impl Prepared<'_> {
         s: S,
         field: F,
         lighting: Option<Lighting<'a, S>>,
-    ) -> OneGrid<'a, S, F, Vec<Level>> {
+    ) -> OneGrid<'a, S, F, Isolevels> {
         let tf = &self.volume.transfer_function;
-        let levels = self.stage.isovalues(self.number).iter().map(|iso| Level::new(iso, tf)).collect();
-        self.one_grid(s, field, levels, lighting)
+        let each = self.stage.isovalues(self.number).iter().map(|iso| Level::new(iso, tf)).collect();
+        self.one_grid(s, field, Isolevels { each, search: self.stage.surface_search() }, lighting)
     }
 
     /// ValueOptics that stand for whole rays, `opaque` or as the transfer function has them.

@@ -1,12 +1,16 @@
 //! Surfaces of constant value in a volume, and where rays cross them.
 
 use pellucid_optics::{ColorSpace, TransferFunction};
-use pellucid_scene::Isovalue;
+use pellucid_scene::{Isovalue, SurfaceSearch};
 
 use super::OneGrid;
 use crate::field::{Field, Knots};
+use crate::integrator::Counter;
 use crate::lanes::*;
+use crate::monotone::each_monotone;
 use crate::packet::Rays;
+use crate::segments::{each_face, each_segment};
+use crate::walk::Visit;
 
 /// A surface, classified.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +28,24 @@ impl Level {
     pub fn new(iso: &Isovalue, tf: &TransferFunction) -> Self {
         let color = iso.color.map_or_else(|| tf.color(iso.value), |color| color.to_linear(ColorSpace::Srgb));
         Self { value: iso.value as f32, color, opacity: iso.opacity }
+    }
+}
+
+/// The surfaces of a volume.
+pub struct Isolevels {
+    /// In ascending order.
+    pub each: Vec<Level>,
+    /// How they are looked for.
+    pub search: SurfaceSearch,
+}
+
+impl Isolevels {
+    /// The lowest and the highest value.
+    #[inline(always)]
+    pub fn range(&self) -> [f32; 2] {
+        let ends = [self.each.first(), self.each.last()];
+        let [low, high] = ends.map(|level| level.map(|level| level.value));
+        [low.unwrap_or(f32::INFINITY), high.unwrap_or(f32::NEG_INFINITY)]
     }
 }
 
@@ -45,12 +67,26 @@ pub struct Crossed<S: Lanes> {
     pub lanes: Mask<S>,
 }
 
-impl<S: Lanes, F: Field<S>> OneGrid<'_, S, F, Vec<Level>> {
+impl<S: Lanes, F: Field<S>> OneGrid<'_, S, F, Isolevels> {
+    /// Visits what surfaces are looked for on: pieces on which the field [rises or falls](each_monotone), where it is a
+    /// cubic and every surface is to be found; of nearest voxels, their faces; [segments](each_segment) of others.
+    #[inline(always)]
+    pub fn each_piece(&self, rays: &Rays<S>, counter: &mut Counter<S>, visitor: &mut impl Visit<S>) {
+        let Self { s, field, optics, skip, .. } = self;
+        if field.knots() == Knots::FACES {
+            each_face(*s, field, rays, *skip, counter, visitor);
+        } else if optics.search == SurfaceSearch::Exact && field.is_cubic() {
+            each_monotone(*s, field, rays, (*skip, optics.range()), counter, visitor);
+        } else {
+            each_segment(*s, field, rays, *skip, counter, visitor);
+        }
+    }
+
     /// Lanes in which any level lies between two values.
     #[inline(always)]
     pub fn crosses(&self, value: [F32<S>; 2]) -> Mask<S> {
         let mut any = all(self.s, false);
-        for level in &self.optics {
+        for level in &self.optics.each {
             any |= crosses::<S>(value, splat(self.s, level.value));
         }
         any

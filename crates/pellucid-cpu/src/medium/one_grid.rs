@@ -12,9 +12,9 @@ use crate::lanes::*;
 use crate::light::{Aim, Lighting, Unlit, normals};
 use crate::packet::{Packet, Rays};
 use crate::samples::Sample;
-use crate::segments::Segment;
 use crate::skip::{Levels, SkipGrid};
 use crate::vary::Vary;
+use crate::walk::Segment;
 
 /// The field of a volume, what it looks like, and the light on it. Its optics `O` are asked for single samples
 /// ([`Classify`]) or for pairs ([`Integrals`]).

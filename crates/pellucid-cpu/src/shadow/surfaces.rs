@@ -4,14 +4,14 @@ use super::{Shadow, ToLights, Turn};
 use crate::field::Any;
 use crate::integrator::Counter;
 use crate::lanes::*;
-use crate::medium::{Level, OneGrid, crosses};
+use crate::medium::{Isolevels, OneGrid, crosses};
 use crate::packet::Rays;
-use crate::segments::{Segment, Verdict, Visit, each_surface};
+use crate::walk::{Segment, Verdict, Visit};
 
 /// Surfaces between samples, which lie on one of them, and lights.
 pub struct Surfaces<'a, S> {
     /// What they lie in.
-    pub medium: OneGrid<'a, S, Any<'a, S>, Vec<Level>>,
+    pub medium: OneGrid<'a, S, Any<'a, S>, Isolevels>,
     /// The ways.
     pub ways: ToLights,
     /// How many steps off the surface they begin: as far as the roughness of sampled data reaches.
@@ -54,7 +54,7 @@ impl<S: Lanes> Surfaces<'_, S> {
     #[inline(always)]
     fn along(&self, s: S, rays: &Rays<S>) -> F32<S> {
         let mut passing = Passing { surfaces: self, transmittance: splat(s, 1.0) };
-        each_surface(s, &self.medium.field, rays, self.medium.skip, &mut Counter::new(s), &mut passing);
+        self.medium.each_piece(rays, &mut Counter::new(s), &mut passing);
         passing.transmittance
     }
 }
@@ -68,7 +68,7 @@ struct Passing<'a, S: Lanes> {
 impl<S: Lanes> Visit<S> for Passing<'_, S> {
     #[inline(always)]
     fn visit(&mut self, segment: &Segment<S>, _: &mut Counter<S>) -> Verdict<S> {
-        let (s, levels) = (self.surfaces.medium.s, &self.surfaces.medium.optics);
+        let (s, levels) = (self.surfaces.medium.s, &self.surfaces.medium.optics.each);
         for level in levels {
             let met = segment.lanes & crosses::<S>(segment.value, splat(s, level.value));
             self.transmittance = met.select(self.transmittance * (1.0 - level.opacity), self.transmittance);

@@ -5,7 +5,8 @@ use glam::DVec3;
 use pellucid_field::{Grid, Volume, Voxels};
 use pellucid_optics::{Falloff, Light, LightKind};
 use pellucid_scene::{
-    Classification, Frame, Isosurface, Isovalue, LookAt, Mode, Projection, RenderWarning, Scene, Slice, View,
+    Classification, Frame, Isosurface, Isovalue, LookAt, Mode, Projection, RenderWarning, Scene, Slice, SurfaceSearch,
+    View,
 };
 
 fn finite(frame: &Frame) -> bool {
@@ -26,7 +27,7 @@ fn every_mode() -> Vec<Mode> {
         Mode::Average,
         Mode::Additive,
         Mode::XRay,
-        Mode::Isosurface(Isosurface { isovalues }),
+        Mode::Isosurface(Isosurface::new(isovalues)),
         Mode::Slice(Slice::default()),
         Mode::Slice(Slice { thickness: 3.0, ..Slice::default() }),
     ]
@@ -67,15 +68,16 @@ fn a_hole_beside_a_light_leaves_no_trace_of_nan() {
 }
 
 /// A surface whose level lies within a hole ends at the hole's border, lit as the field before it is
-/// (5.5-8): the steps are longer than the hole is wide, so both of a segment's ends have values.
+/// (5.5-8): the steps are longer than the hole is wide, so both of a segment's ends have values. In the cells that are there
+/// no field passes the level.
 #[test]
 fn a_surface_beside_a_hole_is_lit_where_the_field_ends() {
     // The level 12 lies in the absent sheet y = 12, which is a hole from 11.5 to 12.5.
     let ramp = |hole: bool| unit_volume([24; 3], move |p| if hole && p.y == 12.0 { f64::NAN } else { p.y });
-    let draw = |level, hole| {
+    let draw = |level, hole, search| {
         render(&stage(ramp(hole), opaque_above(2.0), |scene| {
             let isovalues = vec![Isovalue { value: level, color: None, opacity: 1.0, volume: None }];
-            set_mode(scene, Mode::Isosurface(Isosurface { isovalues }));
+            set_mode(scene, Mode::Isosurface(Isosurface { isovalues, search }));
             scene.volumes[0].shading = Some(true);
             scene.quality.step = 3.1;
             scene.camera.projection = Projection::Orthographic { height: Some(20.0) };
@@ -84,9 +86,13 @@ fn a_surface_beside_a_hole_is_lit_where_the_field_ends() {
             (scene.image.width, scene.image.height) = (9, 9);
         }))
     };
-    let whole = draw(12.0, false);
-    for (level, hole, expected) in [(12.0, false, 12.0), (10.9, true, 10.9), (12.0, true, 11.5)] {
-        let frame = draw(level, hole);
+    let whole = draw(12.0, false, SurfaceSearch::Exact);
+    let (exact, sampled) = (SurfaceSearch::Exact, SurfaceSearch::Sampled);
+    assert!(draw(12.0, true, exact).depth.iter().all(|depth| depth.is_infinite()));
+    let shown = [(12.0, false, 12.0), (10.9, true, 10.9)];
+    let shown = shown.into_iter().flat_map(|case| [(case, exact), (case, sampled)]);
+    for ((level, hole, expected), search) in shown.chain([((12.0, true, 11.5), sampled)]) {
+        let frame = draw(level, hole, search);
         for pixel in 0..81 {
             let depth = frame.depth[pixel] - 40.0;
             assert!((depth - expected as f32).abs() < 3e-3, "{level} {hole}: {depth}");

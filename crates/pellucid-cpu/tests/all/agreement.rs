@@ -11,7 +11,7 @@ use pellucid_cpu::{CpuRenderer, InstructionSet};
 use pellucid_field::{Filter, Gradient, SincWindow};
 use pellucid_optics::PreIntegration;
 use pellucid_plan::PlanCache;
-use pellucid_scene::{Classification, Combine, Control, Frame, Isosurface, Mode, Slice, Stage};
+use pellucid_scene::{Classification, Combine, Control, Frame, Isosurface, Mode, Slice, Stage, SurfaceSearch};
 use proptest::prelude::*;
 
 /// The largest difference of a channel, before anything is quantised.
@@ -125,8 +125,8 @@ proptest! {
     }
 
     #[test]
-    fn isosurfaces(case in case()) {
-        check_all(&case, &Mode::Isosurface(Isosurface { isovalues: Vec::new() }), Classification::Post, integrated)?;
+    fn isosurfaces(case in case(), mode in surfaces()) {
+        check_all(&case, &mode, Classification::Post, integrated)?;
     }
 
     #[test]
@@ -175,14 +175,21 @@ fn roomy_case() -> impl Strategy<Value = Case> {
         .prop_map(|(case, dims)| Case { data: Data { dims, ..case.data }, ..case })
 }
 
+/// Isosurfaces however they are looked for; a case has their levels.
+fn surfaces() -> impl Strategy<Value = Mode> {
+    prop::sample::select(vec![SurfaceSearch::Exact, SurfaceSearch::Sampled])
+        .prop_map(|search| Mode::Isosurface(Isosurface { isovalues: Vec::new(), search }))
+}
+
 /// The modes that leap over empty blocks.
 fn leaping() -> impl Strategy<Value = (Mode, Classification)> {
-    let surfaces = Mode::Isosurface(Isosurface { isovalues: Vec::new() });
-    let modes = vec![Mode::Composite, Mode::Additive, Mode::XRay, Mode::Maximum, Mode::Minimum, surfaces];
+    let modes = vec![Mode::Composite, Mode::Additive, Mode::XRay, Mode::Maximum, Mode::Minimum];
     let preintegrated = Just((Mode::Composite, Classification::PreIntegrated));
+    let post = |mode| (mode, Classification::Post);
     prop_oneof![
-        3 => prop::sample::select(modes).prop_map(|mode| (mode, Classification::Post)),
-        1 => preintegrated,
+        5 => prop::sample::select(modes).prop_map(post),
+        2 => surfaces().prop_map(post),
+        2 => preintegrated,
     ]
 }
 

@@ -50,7 +50,7 @@ fn an_isosurface_is_clipped() {
     let ball = unit_volume([32; 3], |p| 16.0 - (p - DVec3::splat(15.5)).length());
     let isovalues = vec![Isovalue { value: 6.0, color: Some(Color::WHITE), opacity: 1.0, volume: None }];
     let stage = stage(ball, homogeneous(0.0), |scene| {
-        set_mode(scene, Mode::Isosurface(Isosurface { isovalues }));
+        set_mode(scene, Mode::Isosurface(Isosurface::new(isovalues)));
         scene.clips = vec![Clip::Plane { point: [0.0, 15.5, 0.0], normal: [0.0, 1.0, 0.0] }];
         scene.image.width = 17;
         scene.image.height = 17;

@@ -45,7 +45,7 @@ fn stage(volume: &Arc<Volume>, component: Option<usize>, edit: impl Fn(&mut Scen
 #[test]
 fn a_component_of_several_is_drawn_as_one_alone() {
     let isovalue = Isovalue { value: 1300.0, color: None, opacity: 0.5, volume: None };
-    let surfaces = Mode::Isosurface(Isosurface { isovalues: vec![isovalue] });
+    let surfaces = Mode::Isosurface(Isosurface::new(vec![isovalue]));
     let edits: [Edit; 9] = [
         ("composite", &|_| ()),
         ("pre", &|scene| scene.quality.classification = Classification::Pre),

@@ -54,7 +54,7 @@ fn modes() -> Vec<(Mode, Classification)> {
         Mode::Average,
         Mode::Additive,
         Mode::XRay,
-        Mode::Isosurface(Isosurface { isovalues: Vec::new() }),
+        Mode::Isosurface(Isosurface::new(Vec::new())),
         Mode::Slice(Slice::default()),
         Mode::Slice(Slice { thickness: 3.0, combine: Combine::Average, ..Slice::default() }),
     ];

@@ -35,7 +35,7 @@ fn blobs(dims: [usize; 3], seed: u64) -> Volume {
 
 fn modes() -> impl Strategy<Value = (Mode, Classification)> {
     let iso = |value, opacity| Isovalue { value, color: None, opacity, volume: None };
-    let surfaces = Isosurface { isovalues: vec![iso(0.3, 0.4), iso(0.6, 1.0)] };
+    let surfaces = Isosurface::new(vec![iso(0.3, 0.4), iso(0.6, 1.0)]);
     prop_oneof![
         Just((Mode::Composite, Classification::Post)),
         Just((Mode::Composite, Classification::Pre)),

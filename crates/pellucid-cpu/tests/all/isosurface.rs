@@ -4,7 +4,7 @@ use crate::common::{center, render, set_mode, stage, transfer_function, unit_vol
 use glam::{DAffine3, DMat3, DVec3};
 use pellucid_field::Volume;
 use pellucid_optics::Color;
-use pellucid_scene::{Isosurface, Isovalue, LookAt, Mode, Orbit, Projection, Scene, View};
+use pellucid_scene::{Isosurface, Isovalue, LookAt, Mode, Orbit, Projection, Scene, SurfaceSearch, View};
 
 fn surfaces(levels: &[(f64, u32, f32)]) -> Mode {
     let level = |&(value, color, opacity): &(f64, u32, f32)| Isovalue {
@@ -13,7 +13,7 @@ fn surfaces(levels: &[(f64, u32, f32)]) -> Mode {
         opacity,
         volume: None,
     };
-    Mode::Isosurface(Isosurface { isovalues: levels.iter().map(level).collect() })
+    Mode::Isosurface(Isosurface::new(levels.iter().map(level).collect()))
 }
 
 fn ball() -> Volume {
@@ -85,9 +85,8 @@ fn the_nearer_surface_is_in_front_and_shines_through() {
 #[test]
 fn a_surface_takes_the_transfer_function_for_its_color() {
     let tf = transfer_function(&[(0.0, 0x000000), (6.0, 0x00ff00), (16.0, 0x000000)], &[(0.0, 0.0)]);
-    let mode = Mode::Isosurface(Isosurface {
-        isovalues: vec![Isovalue { value: 6.0, color: None, opacity: 1.0, volume: None }],
-    });
+    let mode =
+        Mode::Isosurface(Isosurface::new(vec![Isovalue { value: 6.0, color: None, opacity: 1.0, volume: None }]));
     let frame = render(&stage(ball(), tf, |scene| set_mode(scene, mode)));
     assert_eq!(center(&frame), [0.0, 1.0, 0.0, 1.0]);
 }
@@ -166,4 +165,76 @@ fn nearest_voxels_have_faces() {
         }
         assert!(hits > 300, "{hits}");
     }
+}
+
+/// A wall thinner than a step, and in its middle than a voxel: both its sides lie between two samples, or within a cell.
+/// Rays meet them all the same, where the field is the level.
+#[test]
+fn both_sides_of_thin_walls_are_met_at_any_step() {
+    let wall = |thin: f64| unit_volume([24; 3], move |p| if p.x == 12.0 { 0.5 + thin } else { 0.0 });
+    for (thin, step) in [(0.5, 0.7), (0.5, 3.0), (0.01, 0.7), (0.01, 3.0)] {
+        let volume = wall(thin);
+        let count = |search| {
+            let frame = render(&stage(volume.clone(), crate::common::homogeneous(1.0), |scene| {
+                let isovalues = vec![Isovalue { value: 0.5, color: None, opacity: 0.5, volume: None }];
+                set_mode(scene, Mode::Isosurface(Isosurface { isovalues, search }));
+                scene.volumes[0].shading = Some(false);
+                scene.quality.step = step;
+                scene.camera.view = View::Orbit(Orbit { azimuth: 77.0, elevation: 8.0, ..Orbit::default() });
+            }));
+            let through = |pixel: usize| 0.75 - frame.color[pixel][3];
+            let inner = (4..12).flat_map(|row| (5..11).map(move |column| row * 16 + column));
+            inner.filter(|&pixel| through(pixel).abs() < 1e-6).count()
+        };
+        assert_eq!(count(SurfaceSearch::Exact), 48, "{thin}, step {step}");
+        if (thin, step) == (0.01, 3.0) {
+            assert!(count(SurfaceSearch::Sampled) < 24, "samples find both sides, too");
+        }
+    }
+}
+
+/// Rays through noise, whose trilinear cells have surfaces of all shapes, meet the first one where a march in f64 by 1/500
+/// voxel does.
+#[test]
+fn no_surface_of_a_cell_is_missed() {
+    let noise = |p: DVec3| ((p.x * 12.9898 + p.y * 78.233 + p.z * 37.719).sin() * 43_758.547).rem_euclid(1.0);
+    let volume = unit_volume([7; 3], noise);
+    let sampler = pellucid_field::Sampler::new(&volume, 0, pellucid_field::Filter::Linear).unwrap();
+    let (mut told, mut wrong) = (0, 0);
+    for azimuth in [0.0, 13.0, 51.0, 90.0, 200.0] {
+        for level in [0.2, 0.5, 0.83] {
+            let stage = stage(volume.clone(), crate::common::homogeneous(1.0), |scene| {
+                set_mode(scene, surfaces(&[(level, 0xffffff, 1.0)]));
+                scene.camera.view = View::Orbit(Orbit { azimuth, elevation: azimuth / 3.0, ..Orbit::default() });
+                scene.camera.projection = Projection::Orthographic { height: None };
+                (scene.image.width, scene.image.height) = (48, 48);
+                scene.quality.step = 2.0;
+            });
+            let frame = render(&stage);
+            for (pixel, depth) in frame.depth.iter().enumerate() {
+                let ray = stage.viewpoint.ray((pixel % 48) as f64 + 0.5, (pixel / 48) as f64 + 0.5);
+                let value = |t: f64| sampler.value_world(ray.at(t)) - level;
+                let grid = volume.grid();
+                let inside = |t: f64| {
+                    let p = grid.index_from_world().transform_point3(ray.at(t));
+                    p.min_element() >= 0.0 && p.max_element() <= 6.0
+                };
+                let far = stage.viewpoint.eye.distance(DVec3::splat(3.0)) + 8.0;
+                let places = (0..8000).map(|i| far * f64::from(i) / 8000.0).filter(|&t| inside(t));
+                let values: Vec<(f64, f64)> = places.map(|t| (t, value(t))).collect();
+                let first = values.windows(2).find(|pair| pair[0].1 * pair[1].1 < 0.0).map(|pair| pair[0].0);
+                // Where the field comes so close to the level before, it may pass it between two of these places.
+                let before = values.iter().take_while(|place| first.is_none_or(|first| place.0 < first - 0.02));
+                if before.map(|place| place.1.abs()).fold(f64::INFINITY, f64::min) < 4e-3 {
+                    continue;
+                }
+                told += 1;
+                let depth = f64::from(*depth);
+                let is_right = first.map_or(depth.is_infinite(), |first| (depth - first).abs() < 3e-3);
+                wrong += usize::from(!is_right);
+            }
+        }
+    }
+    assert!(told > 30_000, "{told} rays");
+    assert_eq!(wrong, 0);
 }

@@ -312,7 +312,7 @@ fn modes() -> Vec<Mode> {
         Mode::Average,
         Mode::Additive,
         Mode::XRay,
-        Mode::Isosurface(Isosurface { isovalues: vec![iso(0.3, 0.5), iso(0.6, 0.7)] }),
+        Mode::Isosurface(Isosurface::new(vec![iso(0.3, 0.5), iso(0.6, 0.7)])),
         slice(Combine::Average, 0.0),
         slice(Combine::Maximum, 3.0),
     ]
@@ -555,7 +555,7 @@ fn nested_surfaces_are_seen_through_each_other() {
         let iso = |opacity, volume| Isovalue { value: 0.0, color: None, opacity, volume: Some(volume) };
         let stage = stage(&layers, |scene| {
             let isovalues = vec![iso(0.4, outer), iso(1.0, inner)];
-            set_mode(scene, Mode::Isosurface(Isosurface { isovalues }));
+            set_mode(scene, Mode::Isosurface(Isosurface::new(isovalues)));
             (scene.image.width, scene.image.height) = (25, 25);
         });
         let frame = render(&stage);
@@ -657,9 +657,12 @@ fn what_heeds_no_overlap_draws_volumes_as_they_are() {
     let modes = [
         Technique::PathTrace(PathTrace { samples: 4, ..PathTrace::default() }),
         Technique::RayCast(RayCast {
-            mode: Mode::Isosurface(Isosurface {
-                isovalues: vec![Isovalue { value: 0.5, color: None, opacity: 0.5, volume: None }],
-            }),
+            mode: Mode::Isosurface(Isosurface::new(vec![Isovalue {
+                value: 0.5,
+                color: None,
+                opacity: 0.5,
+                volume: None,
+            }])),
         }),
     ];
     for technique in modes {

@@ -41,7 +41,7 @@ fn draw(set: InstructionSet, stage: &Stage) -> Option<Frame> {
 fn the_first_sample_behind_an_empty_block_is_seen() {
     let surface = |behind: f64| {
         let isovalues = vec![Isovalue { value: behind / 2.0, color: None, opacity: 1.0, volume: None }];
-        Mode::Isosurface(Isosurface { isovalues })
+        Mode::Isosurface(Isosurface::new(isovalues))
     };
     for (axis, forward, set) in (0..3).flat_map(|axis| {
         [true, false].into_iter().flat_map(move |forward| {

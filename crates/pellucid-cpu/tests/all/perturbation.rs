@@ -66,7 +66,7 @@ fn techniques() -> Vec<(&'static str, Setting)> {
     fn mode(mode: Mode) -> Setting {
         Box::new(move |scene| set_mode(scene, mode.clone()))
     }
-    let isosurface = Isosurface { isovalues: vec![Isovalue { value: 0.3, color: None, opacity: 1.0, volume: None }] };
+    let isosurface = Isosurface::new(vec![Isovalue { value: 0.3, color: None, opacity: 1.0, volume: None }]);
     vec![
         ("composite", mode(Mode::Composite)),
         ("maximum", mode(Mode::Maximum)),

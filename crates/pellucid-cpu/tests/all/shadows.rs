@@ -215,7 +215,7 @@ fn isosurfaces_cast_shadows() {
         let edit = |scene: &mut Scene, shadows| {
             // The plate reaches below 4, the ball above 100.
             let isovalues = vec![surface(4.0, 1.0), surface(100.0, opacity)];
-            set_mode(scene, Mode::Isosurface(Isosurface { isovalues }));
+            set_mode(scene, Mode::Isosurface(Isosurface::new(isovalues)));
             scene.volumes[0].shading = Some(true);
             lit(scene, shadows);
             scene.image.width = 48;

@@ -202,7 +202,10 @@ impl Case {
             volume: None,
         };
         match mode {
-            Mode::Isosurface(_) => Mode::Isosurface(Isosurface { isovalues: self.levels.iter().map(level).collect() }),
+            Mode::Isosurface(Isosurface { search, .. }) => {
+                let isovalues = self.levels.iter().map(level).collect();
+                Mode::Isosurface(Isosurface { isovalues, search: *search })
+            }
             other => other.clone(),
         }
     }

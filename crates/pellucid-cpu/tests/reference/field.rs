@@ -185,6 +185,11 @@ impl<'a> Field<'a> {
         certain.then(|| -gradient.try_normalize().unwrap_or(DVec3::ZERO))
     }
 
+    /// Whether values are interpolated between eight voxels.
+    pub fn is_trilinear(&self) -> bool {
+        self.filter == Filter::Linear
+    }
+
     /// Whether the nearest voxel is the value.
     pub fn is_of_nearest_voxels(&self) -> bool {
         self.filter == Filter::Nearest

@@ -110,7 +110,7 @@ impl<'a> Reference<'a> {
             Mode::Average => self.average(path, false),
             Mode::Additive => self.additive(path),
             Mode::XRay => self.x_ray(path),
-            Mode::Isosurface(surfaces) => return self.surfaces(path, &surfaces.isovalues),
+            Mode::Isosurface(surfaces) => return self.surfaces(path, surfaces),
             Mode::Slice(slice) if slice.thickness == 0.0 => return self.cut(path, slice),
             Mode::Slice(slice) => match slice.combine {
                 Combine::Maximum => self.extreme(path, 1.0, true),

@@ -13,7 +13,8 @@ struct Cursor {
     is_in: bool,
     // Samples taken, seen, leapt over.
     counts: vec3<u32>,
-    // The next node or, of nearest voxels, the next cell; the value at the node, or in the cell before, if it is known.
+    // The next node; or the next cell, and how far in it. The value there or, of nearest voxels, in the cell before, if it
+    // is known.
     next: f32,
     cell: vec3<f32>,
     front: f32,

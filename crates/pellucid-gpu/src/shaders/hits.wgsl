@@ -8,12 +8,13 @@
 #import pellucid::crossing::{crosses, level_of, met_at, place_in}
 #import pellucid::levels::{between, levels}
 #import pellucid::normal::normal_of
-#ifdef KERNELS
 #import pellucid::field::ABSENT
 #import pellucid::pieces::{cells_at, is_of_nearest, meet_cell, next_cell}
+#ifdef EXACT
+#import pellucid::monotone::{Walk, next_piece}
+#endif
 #ifdef SKIP
 #import pellucid::skip::leap_faces
-#endif
 #endif
 #ifdef SKIP
 #import pellucid::skip::leap_segments
@@ -24,6 +25,9 @@ const RUN: u32 = 4u;
 
 // Whether there is another segment that crosses a surface: it is looked at.
 fn next_segment(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
+#ifdef EXACT
+    return next_crossed_piece(ray, cursor);
+#else
 #ifdef KERNELS
     if is_of_nearest() {
         return next_face(ray, cursor);
@@ -63,7 +67,47 @@ fn next_segment(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
     (*cursor).front = front;
     (*cursor).is_known = is_known;
     return is_found;
+#endif
 }
+
+#ifdef EXACT
+// The same over the pieces on which the field only rises or only falls.
+fn next_crossed_piece(ray: Ray, cursor: ptr<function, Cursor>) -> bool {
+    const PIECES: u32 = 2u;
+    // With the cell before the reach: what the ray was at its end it is at the beginning of the next.
+    var cells = cells_at(ray, max((*cursor).reach.x - ray.entry - 0.5, 0.0));
+    var walk = Walk(cells, 0.0, ABSENT);
+    if (*cursor).is_known {
+        cells.cell = (*cursor).cell;
+        meet_cell(&cells);
+        walk = Walk(cells, (*cursor).next, (*cursor).front);
+    }
+    let length = min(cells.length, (*cursor).reach.y - ray.entry);
+    var segment: Segment;
+    var is_found = false;
+    while !is_found && walk.cells.ends.x < length {
+#ifdef SKIP
+        cells = walk.cells;
+        let leapt = leap_faces(ray, &cells);
+        if leapt > 0.0 {
+            walk = Walk(cells, 0.0, ABSENT);
+            (*cursor).counts.z += u32(leapt);
+        }
+#endif
+        for (var i = 0u; i < PIECES && walk.cells.ends.x < length && !is_found; i += 1u) {
+            (*cursor).counts.x += 1u;
+            is_found = next_piece(ray, &walk, &segment) && crosses(segment.value);
+        }
+    }
+    (*cursor).ends = segment.distance;
+    (*cursor).values = segment.value;
+    (*cursor).cell = walk.cells.cell;
+    (*cursor).next = walk.part;
+    (*cursor).front = walk.front;
+    (*cursor).is_known = true;
+    return is_found;
+}
+#endif
 
 #ifdef KERNELS
 // The same over the faces between nearest voxels: segments of no length.

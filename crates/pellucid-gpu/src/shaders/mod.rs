@@ -79,6 +79,8 @@ pub struct Variant {
     pub knots: bool,
     /// Samples have the colours of their voxels.
     pub painted: bool,
+    /// Surfaces are looked for by the cubics of cells.
+    pub exact: bool,
     /// Its volume is one of several.
     pub layered: bool,
 }
@@ -112,6 +114,7 @@ impl Variant {
             chromatic: off,
             knots: off,
             painted: off,
+            exact: off,
             layered: off,
         }
     }
@@ -148,6 +151,8 @@ impl Variant {
                     // Changes one function: a part of the shaders says enough.
                     knots: on(0) && on(4),
                     painted: on(1) && on(18),
+                    // What slices are blended of means nothing to surfaces.
+                    exact: on(11),
                     layered: false,
                 };
                 if variant == variant.canonical() {
@@ -195,6 +200,8 @@ impl Variant {
         self.kernels &= reads;
         self.strides &= self.skip && self.pass == Composite;
         self.stack &= slices && !self.bricks && !self.kernels && !self.layered;
+        // Slices through one volume look between themselves; those through several find what rays find.
+        self.exact &= self.pass == Isosurface && (self.traversal == Traversal::Rays || self.layered) && reads;
         self.bleeding &= slices && self.pass == CompositePre;
         // What the eye sees of slabs is always a cloud, and so is what paths meet.
         self.scattered = (self.scattered && clouds && reads) || matches!(self.pass, HalfAngleEye | PathTrace);
@@ -270,6 +277,7 @@ impl Variant {
             ("OF_SLABS", matches!(self.pass, Pass::HalfAngleEye | Pass::HalfAngleSurface)),
             ("OF_PATHS", self.pass.traces()),
             ("SURFACES", self.pass == Pass::Isosurface),
+            ("EXACT", self.exact),
             ("SEGMENTS", self.pass == Pass::PreIntegrated),
             ("EXTREMES", self.pass.compares_extremes()),
             ("MINIMUM", self.pass == Pass::Minimum),

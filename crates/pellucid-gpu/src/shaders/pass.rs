@@ -26,6 +26,7 @@ pub(super) const SHARED: &[Wgsl] = &[
     wgsl!("vary"),
     wgsl!("levels"),
     wgsl!("pieces"),
+    wgsl!("monotone"),
     wgsl!("skip"),
     wgsl!("shadow"),
     wgsl!("points"),

@@ -122,9 +122,16 @@ fn larger(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
     return select(a, b, b.x > a.x);
 }
 
-// Along a ray the interpolation in a cell is a cubic, whose largest value is known; none is more than the largest
-// voxel.
-fn highest_between_voxels(start: vec3<f32>, end: vec3<f32>, sign: f32, above: f32) -> vec2<f32> {
+// The stored voxels around a piece: those below and above along x, at (y, z) fastest along y; those that are absent have
+// the value of the nearest.
+struct Edges {
+    voxel: vec3<f32>,
+    low: vec4<f32>,
+    high: vec4<f32>,
+    is_there: bool,
+}
+
+fn edges_around(start: vec3<f32>, end: vec3<f32>) -> Edges {
     let middle = inside_grid((start + end) * 0.5);
     let a = cell_of(middle);
     let b = min(a + 1, last_voxel());
@@ -132,40 +139,57 @@ fn highest_between_voxels(start: vec3<f32>, end: vec3<f32>, sign: f32, above: f3
 #ifdef HOLES
     nearest = stored_voxel(min(vec3<i32>(floor(middle + 0.5)), last_voxel()));
     if !is_present(nearest) {
-        return vec2<f32>(NONE, 0.0);
+        return Edges(vec3<f32>(a), vec4<f32>(0.0), vec4<f32>(0.0), false);
     }
 #endif
-    var low = vec4<f32>(
+    let low = vec4<f32>(
         voxel_or(a, nearest),
         voxel_or(vec3<i32>(a.x, b.y, a.z), nearest),
         voxel_or(vec3<i32>(a.x, a.y, b.z), nearest),
         voxel_or(vec3<i32>(a.x, b.y, b.z), nearest),
     );
-    var high = vec4<f32>(
+    let high = vec4<f32>(
         voxel_or(vec3<i32>(b.x, a.y, a.z), nearest),
         voxel_or(vec3<i32>(b.x, b.y, a.z), nearest),
         voxel_or(vec3<i32>(b.x, a.y, b.z), nearest),
         voxel_or(b, nearest),
     );
-    if sign * frame.values.x < 0.0 {
-        low = -low;
-        high = -high;
-    }
-    let scale = abs(frame.values.x);
-    let shift = sign * frame.values.y;
-    let most = max(low, high);
-    let top = max(max(most.x, most.y), max(most.z, most.w));
-    if top * scale + shift <= above {
-        return vec2<f32>(NONE, 0.0);
-    }
-    let from_u = clamp(start - vec3<f32>(a), vec3<f32>(0.0), vec3<f32>(1.0));
-    let way = clamp(end - vec3<f32>(a), vec3<f32>(0.0), vec3<f32>(1.0)) - from_u;
-    let constant = low + from_u.x * (high - low);
-    let linear = way.x * (high - low);
+    return Edges(vec3<f32>(a), low, high, true);
+}
+
+// The interpolation along a piece, a cubic in the part of the way; lowest coefficient first.
+fn cubic_along(edges: Edges, start: vec3<f32>, end: vec3<f32>) -> vec4<f32> {
+    let from_u = clamp(start - edges.voxel, vec3<f32>(0.0), vec3<f32>(1.0));
+    let way = clamp(end - edges.voxel, vec3<f32>(0.0), vec3<f32>(1.0)) - from_u;
+    let constant = edges.low + from_u.x * (edges.high - edges.low);
+    let linear = way.x * (edges.high - edges.low);
     let nought = vec2<f32>(0.0);
     let near = between_two(vec4<f32>(constant.x, linear.x, nought), vec4<f32>(constant.y, linear.y, nought), from_u.y, way.y);
     let far = between_two(vec4<f32>(constant.z, linear.z, nought), vec4<f32>(constant.w, linear.w, nought), from_u.y, way.y);
-    let cubic = between_two(near, far, from_u.z, way.z);
+    return between_two(near, far, from_u.z, way.z);
+}
+
+fn largest_of(v: vec4<f32>) -> f32 {
+    return max(max(v.x, v.y), max(v.z, v.w));
+}
+
+// The largest value of the cubic along a piece is known; none is more than the largest voxel.
+fn highest_between_voxels(start: vec3<f32>, end: vec3<f32>, sign: f32, above: f32) -> vec2<f32> {
+    var edges = edges_around(start, end);
+    if !edges.is_there {
+        return vec2<f32>(NONE, 0.0);
+    }
+    if sign * frame.values.x < 0.0 {
+        edges.low = -edges.low;
+        edges.high = -edges.high;
+    }
+    let scale = abs(frame.values.x);
+    let shift = sign * frame.values.y;
+    let top = largest_of(max(edges.low, edges.high));
+    if top * scale + shift <= above {
+        return vec2<f32>(NONE, 0.0);
+    }
+    let cubic = cubic_along(edges, start, end);
     var best = larger(vec2<f32>(cubic.x, 0.0), vec2<f32>(polynomial(cubic, 1.0), 1.0));
     let turns = turns_of(cubic);
     for (var i = 0; i < 2; i += 1) {
@@ -175,6 +199,29 @@ fn highest_between_voxels(start: vec3<f32>, end: vec3<f32>, sign: f32, above: f3
         }
     }
     return vec2<f32>(min(best.x, top) * scale + shift, best.y);
+}
+
+// What is known of the field on a piece.
+struct Course {
+    // Whether it may pass a range of values, and how it does.
+    passes: bool,
+    cubic: vec4<f32>,
+    // Any of its values; ABSENT where there is none.
+    value: f32,
+}
+
+fn course_between_voxels(start: vec3<f32>, end: vec3<f32>, low: f32, high: f32) -> Course {
+    let edges = edges_around(start, end);
+    if !edges.is_there {
+        return Course(false, vec4<f32>(0.0), ABSENT);
+    }
+    let stored = vec2<f32>(-largest_of(max(-edges.low, -edges.high)), largest_of(max(edges.low, edges.high)));
+    let values = stored * frame.values.x + frame.values.y;
+    if min(values.x, values.y) > high || max(values.x, values.y) < low {
+        return Course(false, vec4<f32>(0.0), values.x);
+    }
+    let cubic = cubic_along(edges, start, end) * frame.values.x;
+    return Course(true, cubic + vec4<f32>(frame.values.y, 0.0, 0.0, 0.0), values.x);
 }
 
 fn look(start: vec3<f32>, way: vec3<f32>, part: f32, sign: f32) -> vec2<f32> {

@@ -6,12 +6,13 @@
 #import pellucid::march::{Turn, turn_of, end_turn, DONE, NOWHERE, TERMINATED}
 #import pellucid::mode::{meet_segment, visit_segment}
 #ifdef SURFACES
-#ifdef KERNELS
 #import pellucid::field::ABSENT
 #import pellucid::pieces::{cells_at, is_of_nearest, next_cell}
+#ifdef EXACT
+#import pellucid::monotone::{Walk, next_piece}
+#endif
 #ifdef SKIP
 #import pellucid::skip::leap_faces
-#endif
 #endif
 #endif
 #ifdef NORMALS
@@ -140,12 +141,61 @@ fn follow_faces(turn: ptr<function, Turn>) {
     (*turn).state = state;
 }
 #endif
+#ifdef EXACT
+// The walk over the pieces on which the field only rises or only falls.
+fn follow_monotone(turn: ptr<function, Turn>) {
+    const PIECES: u32 = 2u;
+    let ray = (*turn).ray;
+    var state = (*turn).state;
+    let is_fresh = state.place.z == 0.0;
+    var walk = Walk(cells_at(ray, state.place.x), state.place.w, select(state.place.y, ABSENT, is_fresh));
+    var looks = bounds.most_looks;
+    var here = true;
+    while here && looks > 0u && walk.cells.ends.x < walk.cells.length {
+        looks -= 1u;
+#ifdef SKIP
+        var cells = walk.cells;
+        let leapt = leap_faces(ray, &cells);
+        if leapt > 0.0 {
+            walk = Walk(cells, 0.0, ABSENT);
+            state.counts.z += u32(leapt);
+        }
+#endif
+        var segment: Segment;
+        var halted = false;
+        for (var i = 0u; i < PIECES && !halted && walk.cells.ends.x < walk.cells.length; i += 1u) {
+            if !is_here(ray_at(ray, (walk.cells.ends.x + walk.cells.ends.y) * 0.5)) {
+                here = false;
+                break;
+            }
+            state.counts.x += 1u;
+            halted = next_piece(ray, &walk, &segment) && visit_segment(&state, ray, segment);
+        }
+        // Between walks, as in `follow`.
+        if halted && meet_segment(&state, ray, segment) {
+            state.counts.w |= TERMINATED | DONE;
+            here = false;
+        }
+    }
+    if walk.cells.ends.x >= walk.cells.length {
+        state.counts.w |= DONE;
+    }
+    // The middle of a piece tells it from its neighbours.
+    state.place = vec4<f32>((walk.cells.ends.x + walk.cells.ends.y) * 0.5, walk.front, 1.0, walk.part);
+    (*turn).state = state;
+}
+#endif
 #endif
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var turn = turn_of(id.xy);
     if turn.open {
+#ifdef EXACT
+        follow_monotone(&turn);
+        end_turn(turn);
+        return;
+#endif
 #ifdef SURFACES
 #ifdef KERNELS
         if is_of_nearest() {

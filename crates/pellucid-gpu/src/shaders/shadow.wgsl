@@ -7,6 +7,15 @@
 #import pellucid::field::{field_value, is_present}
 #ifdef SURFACES
 #import pellucid::levels::{between, levels}
+#ifdef EXACT
+#import pellucid::field::ABSENT
+#import pellucid::monotone::{Walk, next_piece}
+#import pellucid::pieces::cells_at
+#import pellucid::ray::{Ray, Segment, nonzeros}
+#ifdef SKIP
+#import pellucid::skip::leap_faces
+#endif
+#endif
 #else
 #import pellucid::table::{homogeneous, opacity_over}
 #import pellucid::vary::varied
@@ -18,6 +27,19 @@
 
 // Light of which so little is left is not followed to its end: a tenth of an 8-bit step.
 const DARK: f32 = 1.0 / 2560.0;
+
+#ifdef SURFACES
+// What the surfaces between two values leave.
+fn through_levels(values: vec2<f32>) -> f32 {
+    var transmittance = 1.0;
+    for (var i = 0u; i < frame.level_count; i += 1u) {
+        if between(values.x, values.y, levels[i].value.x) {
+            transmittance *= 1.0 - levels[i].color.a;
+        }
+    }
+    return transmittance;
+}
+#endif
 
 // The share that comes to a position from a light at `place`: a unit vector to it, or its position if `w` is 1.
 fn transmittance_to(place: vec4<f32>, p: vec3<f32>) -> f32 {
@@ -51,16 +73,28 @@ fn transmittance_to(place: vec4<f32>, p: vec3<f32>) -> f32 {
     let count = max(ceil(length - 1e-4), 1.0);
     let last = min(length - (count - 1.0), 1.0);
     var transmittance = 1.0;
+#ifdef EXACT
+    let ray = Ray(origin, direction, 1.0 / nonzeros(direction), to_light, 0.5, count, last, 0.0);
+    var walk = Walk(cells_at(ray, 0.0), 0.0, ABSENT);
+    var segment: Segment;
+    while walk.cells.ends.x < walk.cells.length && transmittance > 0.0 {
+#ifdef SKIP
+        var cells = walk.cells;
+        if leap_faces(ray, &cells) > 0.0 {
+            walk = Walk(cells, 0.0, ABSENT);
+        }
+#endif
+        if walk.cells.ends.x < walk.cells.length && next_piece(ray, &walk, &segment) {
+            transmittance *= through_levels(segment.value);
+        }
+    }
+#else
 #ifdef SURFACES
     var front = field_value(origin);
     for (var node = 1.0; node <= count + 1.0 && transmittance > 0.0; node += 1.0) {
         let inner = node - 1.0 + 0.5 * select(1.0, last, node >= count);
         let back = field_value(origin + direction * select(inner, length, node > count));
-        for (var i = 0u; i < frame.level_count; i += 1u) {
-            if between(front, back, levels[i].value.x) {
-                transmittance *= 1.0 - levels[i].color.a;
-            }
-        }
+        transmittance *= through_levels(vec2<f32>(front, back));
         front = back;
     }
 #else
@@ -89,6 +123,7 @@ fn transmittance_to(place: vec4<f32>, p: vec3<f32>) -> f32 {
             k += 1.0;
         }
     }
+#endif
 #endif
     return transmittance;
 }

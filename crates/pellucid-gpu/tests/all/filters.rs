@@ -115,7 +115,7 @@ fn mode(scene: &mut Scene, mode: Mode) {
 }
 
 fn isosurface() -> Mode {
-    Mode::Isosurface(Isosurface { isovalues: vec![Isovalue { value: 0.6, color: None, opacity: 0.8, volume: None }] })
+    Mode::Isosurface(Isosurface::new(vec![Isovalue { value: 0.6, color: None, opacity: 0.8, volume: None }]))
 }
 
 /// What is wrong with a picture, if it is further than `most` and 50 dB from another.

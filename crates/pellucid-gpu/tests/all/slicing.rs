@@ -83,7 +83,8 @@ const LIT: &str = "preset = \"simulation\"\nshading = true\n[quality]\nearly_ter
 const PRE_INTEGRATED: &str = "preset = \"simulation\"\nshading = true\n\
     [quality]\nclassification = \"pre_integrated\"\nstep = 1.0\nearly_termination = 1.0";
 const PRE: &str = "preset = \"simulation\"\n[quality]\nclassification = \"pre\"\nearly_termination = 1.0";
-const SURFACES: &str = "{ isosurface = { isovalues = [{ value = 0.4, opacity = 0.5 }, { value = 0.7 }] } }";
+const SURFACES: &str =
+    "{ isosurface = { isovalues = [{ value = 0.4, opacity = 0.5 }, { value = 0.7 }], search = \"sampled\" } }";
 
 #[test]
 fn slices_show_what_rays_show_where_their_samples_are_the_same() {

@@ -17,7 +17,7 @@ mod settings;
 mod slicing;
 
 pub use half_angle::{BlurJitter, BlurScaling, HalfAngle, InScatter, LightCorrection};
-pub use mode::{Combine, Isosurface, Isovalue, Mode, Slice};
+pub use mode::{Combine, Isosurface, Isovalue, Mode, Slice, SurfaceSearch};
 pub use names::{Likeness, TECHNIQUES};
 pub use needs::{LightPath, Needs};
 pub use path_trace::{Majorants, PathTrace};

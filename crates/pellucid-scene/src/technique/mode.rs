@@ -35,6 +35,28 @@ pub enum Mode {
 pub struct Isosurface {
     /// The surfaces, at least one.
     pub isovalues: Vec<Isovalue>,
+    /// How rays look for them. Default exact.
+    #[serde(default)]
+    pub search: SurfaceSearch,
+}
+
+impl Isosurface {
+    /// Surfaces, looked for as by default.
+    pub fn new(isovalues: Vec<Isovalue>) -> Self {
+        Self { isovalues, search: SurfaceSearch::default() }
+    }
+}
+
+/// How rays look for surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SurfaceSearch {
+    /// Cell by cell, by the cubic that trilinear interpolation is along a ray: none is missed, whatever the step (5.5-8,
+    /// Wyman et al. 2006). Under other filters, and where the field is displaced, as between samples.
+    #[default]
+    Exact,
+    /// Between samples: where two surfaces lie between the same two, both may be missed.
+    Sampled,
 }
 
 /// One surface.
@@ -96,7 +118,7 @@ impl Mode {
 
     pub(super) fn check(&self, path: &str) -> Checked {
         match self {
-            Mode::Isosurface(Isosurface { isovalues }) => {
+            Mode::Isosurface(Isosurface { isovalues, .. }) => {
                 let path = format!("{path}.isosurface");
                 require(!isovalues.is_empty(), &path, "isovalues", "none", "at least one isovalue")?;
                 for (k, iso) in isovalues.iter().enumerate() {

@@ -33,9 +33,8 @@ fn tf(points: &[(f64, f32)]) -> TransferFunction {
 fn the_cause_is_named_with_what_there_is() {
     let volume = ramp();
     let nothing = Arc::new(Volume::new(*volume.grid(), vec![f32::NAN; 512]).unwrap());
-    let surface = |value| {
-        Mode::Isosurface(Isosurface { isovalues: vec![Isovalue { value, color: None, opacity: 1.0, volume: None }] })
-    };
+    let surface =
+        |value| Mode::Isosurface(Isosurface::new(vec![Isovalue { value, color: None, opacity: 1.0, volume: None }]));
     let slice = |point| Mode::Slice(Slice { normal: Some([0.0, 0.0, 1.0]), point: Some(point), ..Slice::default() });
     let away = LookAt { position: [7.0, -50.0, 7.0], target: [7.0, -99.0, 7.0], up: [0.0, 0.0, 1.0] };
     let aside = LookAt { position: [7.0, -50.0, 7.0], target: [90.0, 7.0, 7.0], up: [0.0, 0.0, 1.0] };

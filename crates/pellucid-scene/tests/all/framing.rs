@@ -85,7 +85,7 @@ fn surfaces_are_framed_where_they_are() {
     for radius in [5.0, 9.0] {
         let mut scene = ball(1.0);
         let isovalues = vec![Isovalue { value: radius, color: None, opacity: 1.0, volume: None }];
-        scene.technique = Technique::RayCast(RayCast { mode: Mode::Isosurface(Isosurface { isovalues }) });
+        scene.technique = Technique::RayCast(RayCast { mode: Mode::Isosurface(Isosurface::new(isovalues)) });
         scene.camera.projection = parallel();
         let reach = view(&scene, &volume).half_height / MARGIN;
         assert!((reach - radius).abs() < 0.35, "{reach} for {radius}");

@@ -145,7 +145,7 @@ fn shading_and_material() {
     // A surface without shading would be a silhouette.
     let mut surface = scene(VolumeEntry { colormap: name("gray"), ..entry() });
     let isovalues = vec![Isovalue { value: 9.0, color: None, opacity: 1.0, volume: None }];
-    surface.technique = Technique::RayCast(RayCast { mode: Mode::Isosurface(Isosurface { isovalues }) });
+    surface.technique = Technique::RayCast(RayCast { mode: Mode::Isosurface(Isosurface::new(isovalues)) });
     assert_eq!(resolved(&surface).0.volumes[0].material, Some(Material::default()));
 }
 
@@ -230,7 +230,7 @@ fn isovalues_ascend_and_the_step_is_in_world_units() {
     let value = |value| Isovalue { value, color: None, opacity: 1.0, volume: None };
     let isovalues = vec![value(30.0), value(-10.0), value(20.0)];
     let mut scene = scene(entry());
-    scene.technique = Technique::RayCast(RayCast { mode: Mode::Isosurface(Isosurface { isovalues }) });
+    scene.technique = Technique::RayCast(RayCast { mode: Mode::Isosurface(Isosurface::new(isovalues)) });
     scene.quality.step = 0.25;
     let (stage, _) = resolved(&scene);
     let Technique::RayCast(RayCast { mode: Mode::Isosurface(surfaces) }) = &stage.technique else { panic!() };
@@ -330,7 +330,7 @@ fn large_integers_count_from_the_smallest() {
     let draw = |volume: Volume, at: [f64; 2]| {
         let mut scene = scene(VolumeEntry { transfer_function: Some(tf(at)), ..entry() });
         let isovalues = vec![Isovalue { value: at[1], color: None, opacity: 1.0, volume: None }];
-        scene.technique = Technique::RayCast(RayCast { mode: Mode::Isosurface(Isosurface { isovalues }) });
+        scene.technique = Technique::RayCast(RayCast { mode: Mode::Isosurface(Isosurface::new(isovalues)) });
         scene.resolve(&[Arc::new(volume)]).unwrap()
     };
     let large = [4_000_000_001u32, 4_000_000_003];

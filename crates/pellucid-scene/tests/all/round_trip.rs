@@ -333,7 +333,7 @@ fn technique() -> impl Strategy<Value = Technique> {
     let plain = vec![Mode::Composite, Mode::Maximum, Mode::Minimum, Mode::Average, Mode::Additive, Mode::XRay];
     let mode = prop_oneof![
         select(plain),
-        vec(isovalue, 1..4).prop_map(|isovalues| Mode::Isosurface(Isosurface { isovalues })),
+        vec(isovalue, 1..4).prop_map(|isovalues| Mode::Isosurface(Isosurface::new(isovalues))),
         slice.prop_map(Mode::Slice),
     ];
     prop_oneof![

@@ -39,6 +39,7 @@ fn settings() -> Vec<(&'static str, Value)> {
         ("quality.adaptive_tolerance", json!(0.9)),
         ("quality.supersampling", json!(3)),
         ("technique.ray_cast.mode.slice.combine", json!("average")),
+        ("technique.ray_cast.mode.isosurface.search", json!("sampled")),
         ("technique.path_trace.focus", json!(200.0)),
         ("technique.path_trace.surface_depth", json!(3.0)),
         ("technique.half_angle.initial_indirect", json!(0.2)),
