@@ -151,13 +151,11 @@ impl Variant {
                     // Changes one function: a part of the shaders says enough.
                     knots: on(0) && on(4),
                     painted: on(1) && on(18),
-                    // What slices are blended of means nothing to surfaces.
-                    exact: on(11),
+                    exact: false,
                     layered: false,
                 };
-                if variant == variant.canonical() {
-                    all.push(variant);
-                }
+                let exact = Self { exact: true, ..variant };
+                all.extend([variant, exact].into_iter().filter(|variant| *variant == variant.canonical()));
             }
         }
         all

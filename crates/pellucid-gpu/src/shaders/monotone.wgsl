@@ -29,7 +29,8 @@ fn beginning(front: f32, here: f32, low: f32, high: f32) -> f32 {
 // Looks at the piece at hand, and goes on to the next. Whether the field may pass any level on it.
 fn next_piece(ray: Ray, walk: ptr<function, Walk>, segment: ptr<function, Segment>) -> bool {
     let low = levels[0].value.x;
-    let high = levels[frame.level_count - 1u].value.x;
+    // A volume among others may have no surface of its own.
+    let high = levels[max(frame.level_count, 1u) - 1u].value.x;
     var cells = (*walk).cells;
     let ends = cells.ends;
     let found = course_between_voxels(ray_at(ray, ends.x), ray_at(ray, ends.y), low, high);

@@ -30,8 +30,9 @@ fn every_variant_is_valid() {
 /// Each layer of a walk has flags of its own.
 #[test]
 fn layers_of_any_kind_are_valid() {
-    let layered = |variant: &Variant| Variant { layered: true, ..*variant }.canonical();
-    let mut kinds: Vec<Variant> = Variant::all().iter().map(layered).filter(|variant| variant.layered).collect();
+    let layered =
+        |variant: &Variant| [false, true].map(|exact| Variant { layered: true, exact, ..*variant }.canonical());
+    let mut kinds: Vec<Variant> = Variant::all().iter().flat_map(layered).filter(|variant| variant.layered).collect();
     kinds.retain(|variant| !variant.wavefront);
     kinds.dedup();
     // What slices through all of them make of pixels looks at no volume.
