@@ -62,8 +62,8 @@ def time_pellucid(scene, options, folder):
     document = pathlib.Path(folder) / f'{scene}.toml'
     document.write_text(peers_scene.convert(peers_scene.read(scene), options.size, data=ENV['PEERS_DATA']))
     started, before = time.perf_counter(), child_seconds()
-    told = json.loads(run([options.pellucid, 'bench', document, '--allow-outside', '--frames', options.frames, '--json', '-', '--quiet',
-                           '--orbit', peers_scene.read(scene)['orbit']['degrees'],
+    told = json.loads(run([options.pellucid, 'bench', document, '--allow-outside', '--frames', options.frames,
+                           '--json', '-', '--quiet', '--orbit', peers_scene.read(scene)['orbit']['degrees'],
                            '--picture', picture(scene, options.size, 'pellucid'), *shlex.split(options.args)]))
     # Of the whole process: reading the volume counts as well.
     used = (child_seconds() - before) / (time.perf_counter() - started)
