@@ -3,7 +3,7 @@
 use bytemuck::{bytes_of, cast_slice};
 use pellucid_field::{Filter, Gradient};
 use pellucid_optics::SurfaceShare;
-use pellucid_scene::{Stage, StageVolume, SurfaceSearch};
+use pellucid_scene::{Stage, StageVolume};
 use wgpu::{BindGroup, BindingResource, Buffer, FilterMode, Sampler, SamplerDescriptor, TextureFormat, TextureView};
 
 use crate::bounds::BoundsBuffer;
@@ -70,7 +70,7 @@ impl<'a> Bindings<'a> {
             chromatic: stage.chroma(volume).is_some(),
             knots: !optics.nodes.knots().is_empty(),
             painted: uploads.colors.is_some(),
-            exact: stage.surface_search() == SurfaceSearch::Exact && optics.tables.is_trilinear(),
+            exact: stage.finds_every_surface(volume),
             opaque: optics.opaque,
             kernels: kernels.is_some(),
             layered: stage.has_layers(),

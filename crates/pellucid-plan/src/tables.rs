@@ -67,11 +67,6 @@ impl Tables {
         self.light.albedo.as_ref().unwrap_or(&self.step_table)
     }
 
-    /// Whether the field is a cubic along every ray, between planes of voxels (5.5-8, G-03).
-    pub fn is_trilinear(&self) -> bool {
-        self.filter == Filter::Linear && self.displacer.is_none()
-    }
-
     /// Whether they are of this volume.
     pub(crate) fn are_of(&self, volume: &Arc<Volume>) -> bool {
         Arc::ptr_eq(&self.volume, volume)

@@ -1,7 +1,7 @@
 //! What a backend draws, and what every one asks of it before.
 
 use glam::DVec3;
-use pellucid_field::parallel;
+use pellucid_field::{Filter, parallel};
 use pellucid_optics::{Chroma, LightModel, ResolvedLight, ShadowRays, ShadowVolume, Shadows, Sky};
 use rayon::prelude::*;
 
@@ -58,12 +58,15 @@ impl Stage {
         own.map(|iso| Isovalue { value: iso.value - shift, ..iso.clone() }).collect()
     }
 
-    /// How rays look for isosurfaces.
-    pub fn surface_search(&self) -> SurfaceSearch {
-        match self.mode() {
-            Mode::Isosurface(surfaces) => surfaces.search,
-            _ => SurfaceSearch::default(),
-        }
+    /// Whether the field of a volume is a cubic along every ray, between planes of voxels (5.5-8, G-03).
+    pub fn is_trilinear(&self, volume: &StageVolume) -> bool {
+        self.quality.filter == Filter::Linear && !volume.perturbation.displaces()
+    }
+
+    /// Whether rays find every isosurface of a volume.
+    pub fn finds_every_surface(&self, volume: &StageVolume) -> bool {
+        let is_asked = matches!(self.mode(), Mode::Isosurface(surfaces) if surfaces.search == SurfaceSearch::Exact);
+        is_asked && self.is_trilinear(volume)
     }
 
     /// The settings of slices, if those draw.

@@ -2,11 +2,10 @@
 
 use std::fmt;
 
-use pellucid_field::Filter;
 use pellucid_optics::SurfaceShare;
 use pellucid_scene::{
-    Classification, Combine, Isosurface, LightPath, Mode, Orbit, Scene, Slice, Source, Stage, StageVolume,
-    SurfaceSearch, View, VolumeEntry,
+    Classification, Combine, Isosurface, LightPath, Mode, Orbit, Scene, Slice, Source, Stage, StageVolume, View,
+    VolumeEntry,
 };
 use serde_json::Value;
 
@@ -308,17 +307,14 @@ const NOT_AN_EXTREME: Need = Need {
 
 const NOT_EVERY_SURFACE: Need = Need {
     is_met: |drawn| {
-        let is_searched = matches!(drawn.stage.mode(), Mode::Isosurface(_)) && drawn.stage.slicing().is_none();
-        !is_searched || drawn.stage.surface_search() == SurfaceSearch::Sampled || !(TRILINEAR.is_met)(drawn)
+        let stage = drawn.stage;
+        stage.slicing().is_some() || !stage.volumes.iter().all(|volume| stage.finds_every_surface(volume))
     },
     otherwise: "every surface is found in the cells that a ray passes, wherever samples are",
 };
 
 const TRILINEAR: Need = Need {
-    is_met: |drawn| {
-        let is_displaced = drawn.stage.volumes.iter().any(|volume| volume.perturbation.displaces());
-        drawn.stage.quality.filter == Filter::Linear && !is_displaced
-    },
+    is_met: |drawn| drawn.stage.volumes.iter().any(|volume| drawn.stage.is_trilinear(volume)),
     otherwise: "surfaces are looked for between samples: a ray through cells is a cubic under the linear filter alone",
 };
 

@@ -3,7 +3,7 @@
 use std::ops::Deref;
 
 use glam::DVec3;
-use pellucid_field::{Filter, Reconstruct, Sampler};
+use pellucid_field::{Reconstruct, Sampler};
 
 use super::{Corners, Course, Field, Knots, Near, Probe};
 use crate::lanes::*;
@@ -25,10 +25,6 @@ impl<S: Lanes> Field<S> for General<'_> {
 
     fn knots(&self) -> Knots {
         self.1
-    }
-
-    fn is_cubic(&self) -> bool {
-        self.0.field().filter() == Filter::Linear
     }
 }
 
@@ -71,11 +67,6 @@ impl<S: Lanes, P: Deref<Target: Field<S>> + Sync> Field<S> for P {
     #[inline(always)]
     fn highest(&self, s: S, piece: &[Vec3<S>; 2], sign: f32, above: F32<S>, lanes: Mask<S>) -> [F32<S>; 2] {
         (**self).highest(s, piece, sign, above, lanes)
-    }
-
-    #[inline(always)]
-    fn is_cubic(&self) -> bool {
-        (**self).is_cubic()
     }
 
     #[inline(always)]
@@ -137,10 +128,6 @@ impl<S: Lanes, F: Field<S>> Field<S> for Entered<F> {
             #[inline(always)]
             || self.0.highest(s, piece, sign, above, lanes),
         )
-    }
-
-    fn is_cubic(&self) -> bool {
-        self.0.is_cubic()
     }
 
     fn course(&self, s: S, piece: &[Vec3<S>; 2], range: [F32<S>; 2], lanes: Mask<S>) -> Course<S> {

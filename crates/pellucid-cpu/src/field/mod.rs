@@ -93,13 +93,8 @@ pub trait Field<S: Lanes>: Sync {
         knots::highest_sampled(s, self, piece, sign, lanes)
     }
 
-    /// Whether the field is a cubic on every such piece: trilinear interpolation is (5.5-8, G-03).
-    #[inline(always)]
-    fn is_cubic(&self) -> bool {
-        false
-    }
-
-    /// That cubic, at least where any of its values lies within a range, ends included.
+    /// The cubic that the field is on such a piece, at least where any of its values lies within a range, ends included. Of
+    /// [trilinear](pellucid_scene::Stage::is_trilinear) fields, which are cubics there (5.5-8, G-03).
     #[inline(always)]
     fn course(&self, s: S, piece: &[Vec3<S>; 2], _range: [F32<S>; 2], lanes: Mask<S>) -> Course<S> {
         knots::course_sampled(s, self, piece, lanes)

@@ -144,10 +144,6 @@ impl<S: Lanes, T: Texel> Field<S> for Separable<'_, T> {
         }
     }
 
-    fn is_cubic(&self) -> bool {
-        matches!(self.values, Reading::Linear(_))
-    }
-
     #[inline(always)]
     fn course(&self, s: S, piece: &[Vec3<S>; 2], range: [F32<S>; 2], lanes: Mask<S>) -> Course<S> {
         match &self.values {

@@ -354,11 +354,6 @@ impl<S: Lanes, T: Texel> Field<S> for Trilinear<'_, T> {
     }
 
     #[inline(always)]
-    fn is_cubic(&self) -> bool {
-        true
-    }
-
-    #[inline(always)]
     fn course(&self, s: S, piece: &[Vec3<S>; 2], [from, to]: [F32<S>; 2], lanes: Mask<S>) -> Course<S> {
         let Edges { voxel, rows, lanes } = self.edges(s, piece, lanes);
         let (scale, offset) = (splat(s, self.scale), splat(s, self.offset));

@@ -117,7 +117,7 @@ impl Prepared<'_> {
     ) -> OneGrid<'a, S, F, Isolevels> {
         let tf = &self.volume.transfer_function;
         let each = self.stage.isovalues(self.number).iter().map(|iso| Level::new(iso, tf)).collect();
-        self.one_grid(s, field, Isolevels { each, search: self.stage.surface_search() }, lighting)
+        self.one_grid(s, field, Isolevels { each, is_exact: self.stage.finds_every_surface(self.volume) }, lighting)
     }
 
     /// ValueOptics that stand for whole rays, `opaque` or as the transfer function has them.

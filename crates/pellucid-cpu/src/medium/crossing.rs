@@ -1,7 +1,7 @@
 //! Surfaces of constant value in a volume, and where rays cross them.
 
 use pellucid_optics::{ColorSpace, TransferFunction};
-use pellucid_scene::{Isovalue, SurfaceSearch};
+use pellucid_scene::Isovalue;
 
 use super::OneGrid;
 use crate::field::{Field, Knots};
@@ -35,8 +35,8 @@ impl Level {
 pub struct Isolevels {
     /// In ascending order.
     pub each: Vec<Level>,
-    /// How they are looked for.
-    pub search: SurfaceSearch,
+    /// Whether every one is to be found, of a field that is a cubic along rays.
+    pub is_exact: bool,
 }
 
 impl Isolevels {
@@ -68,14 +68,14 @@ pub struct Crossed<S: Lanes> {
 }
 
 impl<S: Lanes, F: Field<S>> OneGrid<'_, S, F, Isolevels> {
-    /// Visits what surfaces are looked for on: pieces on which the field [rises or falls](each_monotone), where it is a
-    /// cubic and every surface is to be found; of nearest voxels, their faces; [segments](each_segment) of others.
+    /// Visits what surfaces are looked for on: pieces on which the field [rises or falls](each_monotone), where every surface
+    /// is to be found; of nearest voxels, their faces; [segments](each_segment) of others.
     #[inline(always)]
     pub fn each_piece(&self, rays: &Rays<S>, counter: &mut Counter<S>, visitor: &mut impl Visit<S>) {
         let Self { s, field, optics, skip, .. } = self;
         if field.knots() == Knots::FACES {
             each_face(*s, field, rays, *skip, counter, visitor);
-        } else if optics.search == SurfaceSearch::Exact && field.is_cubic() {
+        } else if optics.is_exact {
             each_monotone(*s, field, rays, (*skip, optics.range()), counter, visitor);
         } else {
             each_segment(*s, field, rays, *skip, counter, visitor);

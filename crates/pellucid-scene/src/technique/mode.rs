@@ -52,7 +52,8 @@ impl Isosurface {
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceSearch {
     /// Cell by cell, by the cubic that trilinear interpolation is along a ray: none is missed, whatever the step (5.5-8,
-    /// Wyman et al. 2006). Under other filters, and where the field is displaced, as between samples.
+    /// Wyman et al. 2006). Under filters other than the linear one, and where the field is displaced, they are looked for
+    /// between samples.
     #[default]
     Exact,
     /// Between samples: where two surfaces lie between the same two, both may be missed.
