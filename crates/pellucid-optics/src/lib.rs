@@ -17,6 +17,7 @@ mod environment;
 mod error;
 mod extent;
 mod extinction_bounds;
+mod harmonics;
 mod knots;
 mod light;
 mod light_sample;
@@ -54,6 +55,10 @@ pub use environment::{Environment, Sky, SkyImage, SkyMap, SkySource};
 pub use error::OpticsError;
 pub use extent::{Extent, Face};
 pub use extinction_bounds::ExtinctionBounds;
+pub use harmonics::{
+    Bands, Harmonics, MOST_BANDS, MOST_COEFFICIENTS, Rotation, Window, Zonal, spherical_harmonics,
+    spherical_harmonics_f64,
+};
 pub use light::{Falloff, Frame, Incident, Light, LightCone, LightKind, LightShape, ResolvedLight};
 pub use light_sample::{LightSample, LightSeen};
 pub use lighting::Lighting;
