@@ -2,9 +2,13 @@
 //! are tested against, and pellucid's own pictures when there is no data at hand.
 
 mod ball;
+mod bowl;
 mod cloud;
+mod dice;
+mod engine;
 mod footprint;
 mod formula;
+mod gyroid;
 mod head;
 mod hydrogen;
 mod marschner_lobb;
@@ -14,6 +18,7 @@ mod ramp;
 mod sample;
 mod shape;
 mod sines;
+mod sponge;
 mod tubes;
 mod uptake;
 mod wavelet;
@@ -21,13 +26,17 @@ mod wavelet;
 use glam::DVec3;
 
 pub use ball::Ball;
+pub use bowl::Bowl;
 pub use cloud::Cloud;
+pub use engine::Engine;
+pub use gyroid::Gyroid;
 pub use head::HeadPhantom;
 pub use hydrogen::Hydrogen;
 pub use marschner_lobb::MarschnerLobb;
 pub use ramp::Ramp;
 pub use sample::sample_field;
 pub use sines::Sines;
+pub use sponge::Sponge;
 pub use tubes::Tubes;
 pub use uptake::Uptake;
 pub use wavelet::Wavelet;
@@ -88,7 +97,7 @@ pub struct About {
 
 type Make = fn() -> Box<dyn ScalarField>;
 
-const FIELDS: [(&str, Make); 10] = [
+const FIELDS: [(&str, Make); 14] = [
     (marschner_lobb::NAME, || Box::new(MarschnerLobb::default())),
     (ball::NAME, || Box::new(Ball::default())),
     (ramp::NAME, || Box::new(Ramp::default())),
@@ -99,6 +108,10 @@ const FIELDS: [(&str, Make); 10] = [
     (head::NAME, || Box::new(HeadPhantom::default())),
     (cloud::NAME, || Box::new(Cloud)),
     (uptake::NAME, || Box::new(Uptake)),
+    (gyroid::NAME, || Box::new(Gyroid::default())),
+    (bowl::NAME, || Box::new(Bowl::default())),
+    (engine::NAME, || Box::new(Engine)),
+    (sponge::NAME, || Box::new(Sponge::default())),
 ];
 
 /// The names of all fields.

@@ -48,6 +48,25 @@ pub(super) fn ring<N: Number>(p: [N; 3], center: DVec3, radius: f64, thickness: 
     (around.square() + y.square()).sqrt() - thickness
 }
 
+/// Distance to a box along the axes, as far as a face of it would be: beyond edges and corners that is less.
+pub(super) fn cuboid<N: Number>(p: [N; 3], center: DVec3, half: DVec3) -> N {
+    let [x, y, z] = past_faces(p, center, half);
+    x.max(y).max(z)
+}
+
+/// Distance to a box along the axes whose edges and corners are rounded.
+pub(super) fn rounded_cuboid<N: Number>(p: [N; 3], center: DVec3, half: DVec3, round: f64) -> N {
+    let [x, y, z] = past_faces(p, center, half - round);
+    let none = N::constant(0.0);
+    length([x.max(none), y.max(none), z.max(none)]) + x.max(y).max(z).min(none) - round
+}
+
+/// How far beyond the faces of a box, by axis.
+fn past_faces<N: Number>(p: [N; 3], center: DVec3, half: DVec3) -> [N; 3] {
+    let [x, y, z] = relative(p, center);
+    [x.abs() - half.x, y.abs() - half.y, z.abs() - half.z]
+}
+
 /// Union of two shapes with a fillet about `fillet` wide.
 pub(super) fn join<N: Number>(a: N, b: N, fillet: f64) -> N {
     let overlap = ((a - b).abs() * -1.0 + fillet).max(N::constant(0.0));

@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DQuat, DVec3};
 
+use super::dice::Dice;
 use super::footprint::Footprint;
 use super::formula::value_and_gradient;
 use super::number::Number;
@@ -82,16 +83,6 @@ fn grow(twig: Twig, dice: &mut Dice, vessels: &mut Vec<Path>) {
         let axis = DQuat::from_axis_angle(along, turn + side * TAU) * along.any_orthonormal_vector();
         let along = DQuat::from_axis_angle(axis, spread + 0.2 * dice.roll()) * along;
         grow(Twig { from: tip, along, radius: radius * thinner, level: level + 1 }, dice, vessels);
-    }
-}
-
-/// Reproducible numbers in [-1, 1): a linear congruential generator (Knuth's MMIX constants).
-struct Dice(u64);
-
-impl Dice {
-    fn roll(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 }
 

@@ -297,6 +297,8 @@ fn voxels_see_the_mean_of_what_is_finer_than_they_are() {
         ("head", 256.0, 0.65, 0.02),
         ("tubes", 96.0, 0.57, 0.03),
         ("cloud", 48.0, 0.4, 0.06),
+        ("engine", 104.0, 0.57, 0.03),
+        ("sponge", 64.0, 0.8, 0.05),
     ] {
         let [seen, at_points] = errors(&*by_name(name).unwrap(), cells, deviation, 150);
         println!("{name} {cells}: {seen:.4}, at points {at_points:.4}");

@@ -2,6 +2,7 @@
 //! gradients and resampling are held against closed forms and brute force.
 
 mod blocks;
+mod cavities;
 mod closed_form;
 mod derived;
 mod filter;
