@@ -80,7 +80,7 @@ impl<'s> Layers<'s> {
             Mode::Isosurface(_) => {
                 let surfaces = |(prepared, sampler): (&'a Prepared, &Sampler<'a>)| {
                     let lighting = prepared.lighting(|| self.shadow(s, prepared, samplers));
-                    let surfaces = prepared.isosurfaces(s, prepared.any(sampler.clone()), lighting);
+                    let surfaces = prepared.isosurfaces(s, prepared.any(sampler.clone()), lighting, None);
                     Box::new(surfaces) as Box<dyn Surfaced<S> + 'a>
                 };
                 let early_termination = stage.quality.early_termination;

@@ -17,6 +17,7 @@ mod element;
 mod error;
 mod field;
 mod half_angle;
+mod illumination;
 mod integrator;
 mod isosurface;
 mod lanes;

@@ -7,6 +7,7 @@ use crate::RenderError;
 use crate::classify::Classify;
 use crate::composite::{Accumulation, Composite, PreIntegrated};
 use crate::field::Field;
+use crate::illumination::{Bake, Global, Globally, Illuminate};
 use crate::integrator::Integrator;
 use crate::isosurface::Isosurfaces;
 use crate::lanes::{InstructionSet, Lanes, dispatch};
@@ -20,8 +21,8 @@ use crate::slice::SlicePlane;
 use crate::vary::Vary;
 
 impl Prepared<'_> {
-    /// The integrator of the stage's mode, for an instruction set, in the light of volumes if there are
-    /// such.
+    /// The integrator of the stage's mode, for an instruction set, in the light of volumes, or in all light there is, if
+    /// there are such.
     ///
     /// # Errors
     /// [`RenderError::Field`] if the filter's parameters are out of range.
@@ -29,9 +30,25 @@ impl Prepared<'_> {
         &'a self,
         set: InstructionSet,
         lights: Option<&'a [LightVolume]>,
+        global: Option<Globally<'a>>,
     ) -> Result<Box<dyn Integrator + 'a>, RenderError> {
         let sampler = self.sampler()?;
-        Ok(dispatch!(set, s => self.integrator_in(s, sampler, lights)))
+        dispatch!(set, s => match global {
+            Some(global) => {
+                let illumination = Box::new(Global::new(s, self, global)?);
+                let mode = IsosurfaceMode { prepared: self, s, lighting: None, illumination: Some(illumination) };
+                Ok(self.with_field(sampler, mode))
+            }
+            None => Ok(self.integrator_in(s, sampler, lights)),
+        })
+    }
+
+    /// What finds light at all places of a lattice.
+    ///
+    /// # Errors
+    /// [`RenderError::Field`] if the filter's parameters are out of range.
+    pub fn bake<'a>(&'a self, set: InstructionSet, global: Globally<'a>) -> Result<Box<dyn Bake + 'a>, RenderError> {
+        dispatch!(set, s => Ok(Box::new(Global::new(s, self, global)?)))
     }
 
     fn integrator_in<'a, S: Lanes>(
@@ -47,7 +64,7 @@ impl Prepared<'_> {
             }
             Mode::Isosurface(_) => {
                 let lighting = self.lighting(|| self.shadow(s, &sampler, lights));
-                self.with_field(sampler, IsosurfaceMode { prepared: self, s, lighting })
+                self.with_field(sampler, IsosurfaceMode { prepared: self, s, lighting, illumination: None })
             }
             _ => self.projection(s, sampler),
         }
@@ -95,9 +112,10 @@ impl Prepared<'_> {
         s: S,
         field: F,
         lighting: Option<Lighting<'a, S>>,
+        illumination: Option<Box<dyn Illuminate<S> + 'a>>,
     ) -> Isosurfaces<'a, S, F> {
         let early_termination = self.stage.quality.early_termination;
-        Isosurfaces { medium: self.surfaces(s, field, lighting), early_termination }
+        Isosurfaces { medium: self.surfaces(s, field, lighting), illumination, early_termination }
     }
 }
 
@@ -117,17 +135,18 @@ impl<'a, S: Lanes> WithMedium<'a, S> for Composited {
 }
 
 /// Isosurfaces, once the field is known.
-struct IsosurfaceMode<'a, S> {
+struct IsosurfaceMode<'a, S: Lanes> {
     prepared: &'a Prepared<'a>,
     s: S,
     lighting: Option<Lighting<'a, S>>,
+    illumination: Option<Box<dyn Illuminate<S> + 'a>>,
 }
 
 impl<'a, S: Lanes> WithField<'a, S> for IsosurfaceMode<'a, S> {
     type Output = Box<dyn Integrator + 'a>;
 
     fn with<F: Field<S> + 'a>(self, field: F) -> Self::Output {
-        Box::new(self.prepared.isosurfaces(self.s, field, self.lighting))
+        Box::new(self.prepared.isosurfaces(self.s, field, self.lighting, self.illumination))
     }
 }
 

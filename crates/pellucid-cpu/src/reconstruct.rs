@@ -52,31 +52,41 @@ impl Prepared<'_> {
 
     /// The field of any filter and voxel type, displaced if it is.
     pub fn any<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
-        let plain = self.undisplaced(sampler);
+        self.any_sloping(sampler, self.stage.quality.gradient)
+    }
+
+    /// The same with other gradients than the stage's.
+    pub fn any_sloping<'a, S: Lanes>(&'a self, sampler: Sampler<'a>, gradient: Gradient) -> Any<'a, S> {
+        let plain = self.undisplaced(sampler, gradient);
         let Some(displacer) = &self.tables.displacer else { return plain };
         let (bounds, grid) = (Bounds::new(self.grid(), &self.region), self.grid());
         Box::new(Entered(Displaced::new(plain, displacer, bounds, grid.world_from_index_gradient())))
     }
 
-    fn undisplaced<'a, S: Lanes>(&'a self, sampler: Sampler<'a>) -> Any<'a, S> {
+    fn undisplaced<'a, S: Lanes>(&'a self, sampler: Sampler<'a>, gradient: Gradient) -> Any<'a, S> {
         let knots = self.knots(sampler.filter());
         let (values, _) = &self.values;
         let boxed = match values.voxels() {
             Voxels::U32(_) | Voxels::I32(_) if !fits(values) => None,
-            voxels => for_voxels!(voxels, data => self.boxed(data, &sampler)),
+            voxels => for_voxels!(voxels, data => self.boxed(data, &sampler, gradient)),
         };
-        boxed.unwrap_or_else(|| Box::new(Entered(General(self.probe(sampler), knots))))
+        boxed.unwrap_or_else(|| Box::new(Entered(General(self.probe(sampler, gradient), knots))))
     }
 
-    fn boxed<'a, S: Lanes, T: Texel>(&'a self, data: &'a [T], sampler: &Sampler<'a>) -> Option<Box<dyn Field<S> + 'a>> {
-        let (trilinear, gradient) = (self.trilinear(data)?, self.stage.quality.gradient);
+    fn boxed<'a, S: Lanes, T: Texel>(
+        &'a self,
+        data: &'a [T],
+        sampler: &Sampler<'a>,
+        gradient: Gradient,
+    ) -> Option<Box<dyn Field<S> + 'a>> {
+        let trilinear = self.trilinear(data)?;
         if (sampler.filter(), gradient) == (Filter::Linear, Gradient::Central) {
             return Some(Box::new(Entered(trilinear)));
         }
         let view = self.view(data);
         let bounds = Bounds::new(self.grid(), &self.region);
         let knots = self.knots(sampler.filter());
-        let field = Separable::new(view, bounds, gradient, trilinear, knots, self.probe(sampler.clone()))?;
+        let field = Separable::new(view, bounds, gradient, trilinear, knots, self.probe(sampler.clone(), gradient))?;
         Some(Box::new(Entered(field)))
     }
 
@@ -85,8 +95,8 @@ impl Prepared<'_> {
         ComponentView::new(values, data, *component)
     }
 
-    fn probe<'a, R: Reconstruct>(&'a self, field: R) -> Probe<'a, R> {
-        Probe::new(field, self.grid(), &self.region, self.stage.quality.gradient)
+    fn probe<'a, R: Reconstruct>(&'a self, field: R, gradient: Gradient) -> Probe<'a, R> {
+        Probe::new(field, self.grid(), &self.region, gradient)
     }
 
     /// Whether some voxels are absent.
@@ -101,6 +111,11 @@ impl Prepared<'_> {
 
     fn trilinear<'a, T: Texel>(&'a self, data: &'a [T]) -> Option<Trilinear<'a, T>> {
         let view = self.view(data);
-        Trilinear::new(view, self.has_holes(), Bounds::new(self.grid(), &self.region), self.probe(Linear(view)))
+        Trilinear::new(
+            view,
+            self.has_holes(),
+            Bounds::new(self.grid(), &self.region),
+            self.probe(Linear(view), Gradient::Central),
+        )
     }
 }

@@ -9,6 +9,7 @@ use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, Tech
 
 use crate::RenderError;
 use crate::half_angle;
+use crate::illumination::{Globally, IlluminationCache};
 use crate::integrator::{Integrator, Traced};
 use crate::lanes::InstructionSet;
 use crate::layers::Layers;
@@ -30,6 +31,7 @@ pub struct CpuRenderer {
     tile: Option<usize>,
     cache: Cache,
     lights: LightCache,
+    illumination: IlluminationCache,
     tiles: Tiles,
 }
 
@@ -98,6 +100,30 @@ impl CpuRenderer {
         Ok(frame)
     }
 
+    /// Finds light at all places of the lattice around the isosurfaces of a stage, on those sides of them that its picture
+    /// sees, and keeps it for pictures: of `surfaces = "drawn"` at the places beside these, of `"own"` at all. Returns how
+    /// many places that are, 0 where a stage asks for none.
+    ///
+    /// # Errors
+    /// [`RenderError`]; what was found until then is kept.
+    pub fn bake(&mut self, stage: &Stage, control: &Control) -> Result<usize, RenderError> {
+        self.render(stage, &Control { progress: None, ..*control })?;
+        let Some(settings) = stage.global_illumination() else { return Ok(0) };
+        let set = self.instructions();
+        let Self { threads, cache, illumination, .. } = self;
+        let work = || {
+            let prepared = Prepared::new(stage, 0, cache)?;
+            let (kept, distant) = (illumination.kept(&prepared, settings), illumination.distant(stage, settings));
+            let global = Globally { settings, kept: &kept, distant: distant.as_ref(), control };
+            let places = prepared.bake(set, global)?.bake();
+            if control.is_cancelled() { Err(RenderError::Cancelled) } else { Ok(places) }
+        };
+        match threads {
+            Some(threads) => threads.run(work),
+            None => parallel(work),
+        }
+    }
+
     /// Draws a frame into one that is there; the memory of its pictures is used again if they have
     /// the right size.
     ///
@@ -110,9 +136,9 @@ impl CpuRenderer {
             // There is one more of them, in tiles.
             memory::afford(width.saturating_mul(height).saturating_mul(2 * Frame::PIXEL_BYTES))?;
         }
-        let Self { threads, tile, cache, lights, tiles, .. } = self;
+        let Self { threads, tile, cache, lights, illumination, tiles, .. } = self;
         tiles.cover(width, height, tile.unwrap_or(TILE), stage.holds_back_each_color());
-        let work = || render(stage, control, set, (cache, lights), tiles, frame);
+        let work = || render(stage, control, set, (cache, lights, illumination), tiles, frame);
         match threads {
             Some(threads) => threads.run(work),
             None => parallel(work),
@@ -124,7 +150,7 @@ fn render(
     stage: &Stage,
     control: &Control,
     set: InstructionSet,
-    (cache, lights): (&mut Cache, &mut LightCache),
+    (cache, lights, illumination): (&mut Cache, &mut LightCache, &mut IlluminationCache),
     tiles: &mut Tiles,
     frame: &mut Frame,
 ) -> Result<(), RenderError> {
@@ -145,7 +171,16 @@ fn render(
         Technique::RayCast(_) => {
             let prepared = Prepared::new(stage, 0, cache)?;
             let lights = lights.lights(slice::from_ref(&prepared), set, control)?;
-            let integrator = prepared.integrator(set, lights.as_ref().map(|lights| lights.as_slice()))?;
+            let global = stage.global_illumination();
+            let kept = global.map(|global| (illumination.kept(&prepared, global), illumination.distant(stage, global)));
+            let global = global.zip(kept.as_ref()).map(|(settings, (kept, distant))| Globally {
+                settings,
+                kept,
+                distant: distant.as_ref(),
+                control,
+            });
+            let lights = lights.as_ref().map(|lights| lights.as_slice());
+            let integrator = prepared.integrator(set, lights, global)?;
             let rays = (Emitter::of_eye(stage, set), &[prepared.solid()][..]);
             drawing = Instant::now();
             tiles.draw(control, |tile| draw_tile(stage, &rays, integrator.as_ref(), control, tile))?;

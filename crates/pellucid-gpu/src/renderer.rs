@@ -92,6 +92,9 @@ impl GpuRenderer {
         let face = lit && stage.path_trace().is_none() && stage.lights.iter().any(ResolvedLight::is_face);
         match &stage.technique {
             _ if face => Some("lighting.lights of kind rectangle".to_owned()),
+            _ if stage.global_illumination().is_some() => {
+                Some("technique.ray_cast.mode.isosurface.illumination.global".to_owned())
+            }
             // Slices take a sample at its own place.
             Technique::Slicing(_) if stage.volumes.iter().any(noisy) => Some(format!("volumes.perturbation in {name}")),
             Technique::Slicing(_) if lit && !shadows => {

@@ -17,6 +17,14 @@ pub struct BlockMap {
     pub levels: Option<Vec<u8>>,
 }
 
+impl BlockMap {
+    /// Blocks by how far they are from those whose range of values satisfies `live`.
+    pub(crate) fn where_any(blocks: &Blocks, live: impl Fn(f32, f32) -> bool) -> Self {
+        let content = BlockContent::distances(blocks, live);
+        Self { dims: blocks.dims(), size: blocks.size(), content, levels: None }
+    }
+}
+
 /// What is known of blocks.
 pub enum BlockContent {
     /// How many blocks away the next one is that can contribute; 0 if the block itself can.

@@ -43,6 +43,8 @@ pub struct Tables {
     pub stride_entries: Option<Vec<[f32; 4]>>,
     /// Ray integrals of one step, if classification is pre-integrated.
     pub preintegration: Option<PreIntegration>,
+    /// The ranges of values in blocks, where empty space is skipped and they tell something.
+    pub ranges: Option<Arc<Blocks>>,
     /// What blocks tell, for modes that leap over some.
     pub blocks: Option<BlockMap>,
     /// What samples that scatter light look up.
@@ -143,6 +145,7 @@ impl Tables {
             step_table,
             stride_entries,
             preintegration,
+            ranges,
             blocks,
             light,
             displacer,

@@ -312,9 +312,9 @@ fn lit_by_environment(technique: &Technique) -> bool {
     technique.environment().is_some_and(|environment| *environment != Environment::Dark)
 }
 
-/// What lights a technique that follows light, where the scene left it open.
+/// What lights a technique that follows light, or finds it all around, where the scene left it open.
 pub fn lights_choice(lighting: &Lighting, technique: &Technique) -> Option<Choice> {
-    let follows = technique.needs().light.is_followed();
+    let follows = technique.needs().light.is_followed() || technique.environment().is_some();
     let (lights, chosen) = match lit_by_environment(technique) {
         true => ("environment", "the environment alone"),
         false => ("headlight", "a headlight, which casts no shadow that is seen; lighting.lights brings others"),

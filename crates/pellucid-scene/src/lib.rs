@@ -66,7 +66,8 @@ pub use scene::{Crop, Held, SampleSource, Scene, Source, VolumeEntry};
 pub use stage::Stage;
 pub use stage_volume::StageVolume;
 pub use technique::{
-    BlendOrder, BlurJitter, BlurScaling, ColorWeight, Combine, Correction, HalfAngle, InScatter, Isosurface, Isovalue,
-    LightCorrection, LightPath, Likeness, Majorants, Mode, Needs, PathTrace, Proxy, RayCast, Slice, SliceGeometry,
-    SliceTarget, Slicing, SurfaceSearch, TECHNIQUES, Technique,
+    BlendOrder, BlurJitter, BlurScaling, ColorWeight, Combine, Correction, GlobalIllumination, HalfAngle,
+    HarmonicTransfer, HarmonicWindow, Illumination, IlluminationBasis, IlluminationInterpolation, IlluminationMethod,
+    InScatter, Isosurface, Isovalue, LightCorrection, LightPath, Likeness, Majorants, Mode, Needs, PathTrace, PlacesOn,
+    Proxy, RayCast, Slice, SliceGeometry, SliceTarget, Slicing, SurfaceNormals, SurfaceSearch, TECHNIQUES, Technique,
 };

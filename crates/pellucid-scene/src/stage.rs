@@ -7,8 +7,9 @@ use rayon::prelude::*;
 
 use crate::origin::smallest_difference;
 use crate::{
-    Background, Classification, HalfAngle, ImageSettings, Isosurface, Isovalue, LightPath, Mode, Overlap, PathTrace,
-    Quality, Region, RenderWarning, Slice, Slicing, StageVolume, SurfaceSearch, Technique, Viewpoint,
+    Background, Classification, GlobalIllumination, HalfAngle, ImageSettings, Isosurface, Isovalue, LightPath, Mode,
+    Overlap, PathTrace, Quality, Region, RenderWarning, Slice, Slicing, StageVolume, SurfaceSearch, Technique,
+    Viewpoint,
 };
 
 /// A scene with nothing left to choose: what a backend draws.
@@ -67,6 +68,13 @@ impl Stage {
     pub fn finds_every_surface(&self, volume: &StageVolume) -> bool {
         let is_asked = matches!(self.mode(), Mode::Isosurface(surfaces) if surfaces.search == SurfaceSearch::Exact);
         is_asked && self.is_trilinear(volume)
+    }
+
+    /// The settings of all light that arrives at surfaces, if they are lit by it.
+    pub fn global_illumination(&self) -> Option<&GlobalIllumination> {
+        let is_lit = |volume: &StageVolume| volume.material.is_some();
+        let drawn = self.slicing().is_none() && !self.has_layers() && self.volumes.iter().all(is_lit);
+        self.mode().global_illumination().filter(|_| drawn)
     }
 
     /// The settings of slices, if those draw.
@@ -187,7 +195,9 @@ impl Stage {
         });
         let unseen = self.image.background == Background::Environment && self.sky().is_none();
         let unseen = unseen.then(|| format!("image.background is the environment, and {name} has none: it is black"));
-        let ignored = lights.filter(move |_| !by_paths).chain(volumes.filter(move |_| !by_paths || self.has_layers()));
+        let finds_lights = by_paths || self.global_illumination().is_some();
+        let ignored =
+            lights.filter(move |_| !finds_lights).chain(volumes.filter(move |_| !by_paths || self.has_layers()));
         let volumes = self.volumes.iter().enumerate();
         let merged = volumes.filter_map(|(number, staged)| {
             let (range, gap) = (staged.volume.statistics(), smallest_difference(&staged.volume)?);
@@ -209,8 +219,24 @@ impl Stage {
         let unmoved = volumes.map(|(number, _)| {
             format!("volumes[{number}].perturbation moves opacities, and not the colours of the data")
         });
+        let far = self.global_illumination().is_some_and(|global| global.harmonics().is_some());
+        let near = self.lights.iter().enumerate().filter(move |(_, light)| far && !light.is_directional());
+        let near = near.map(|(number, _)| {
+            format!("lighting.lights[{number}] has a place, and spherical harmonics hold light from far away: it does not shine")
+        });
+        let global = self.mode().global_illumination().is_some() && self.global_illumination().is_none();
+        let locally = match (self.slicing().is_some(), self.has_layers()) {
+            (true, _) => Some("slices"),
+            (_, true) => Some("surfaces of several volumes"),
+            _ => None,
+        };
+        let locally = locally
+            .filter(|_| global)
+            .map(|what| format!("{what} are not lit by isosurface.illumination.global: the lights alone light them"));
         ignored
             .chain(unmoved)
+            .chain(locally)
+            .chain(near)
             .chain(unseen)
             .chain(merged)
             .chain(points)
@@ -218,7 +244,7 @@ impl Stage {
     }
 
     /// The environment, if the technique has one that is not dark.
-    fn sky(&self) -> Option<Sky> {
+    pub fn sky(&self) -> Option<Sky> {
         self.technique.environment()?.resolve().ok().flatten()
     }
 

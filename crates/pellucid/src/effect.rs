@@ -4,8 +4,8 @@ use std::fmt;
 
 use pellucid_optics::SurfaceShare;
 use pellucid_scene::{
-    Classification, Combine, Isosurface, LightPath, Mode, Orbit, Scene, Slice, Source, Stage, StageVolume, View,
-    VolumeEntry,
+    Classification, Combine, GlobalIllumination, IlluminationMethod, Isosurface, LightPath, Mode, Orbit, Scene, Slice,
+    Source, Stage, StageVolume, View, VolumeEntry,
 };
 use serde_json::Value;
 
@@ -106,8 +106,8 @@ const NEEDS: &[(&str, &[Need])] = &[
     ("volumes[].transfer_function", &[CLASSIFIED_OR_PRESET]),
     ("volumes[].unit_distance", &[MEDIUM]),
     ("volumes[].shading", &[SURFACES_OR_AMBIENT]),
-    ("volumes[].material", &[SURFACES_OR_AMBIENT, SHADED]),
-    ("volumes[].gradient_weight", &[MADE_OF_SURFACES, SHADED, NOT_SCATTERED]),
+    ("volumes[].material", &[SURFACES_OR_AMBIENT, SHADED, NOT_MATTE]),
+    ("volumes[].gradient_weight", &[MADE_OF_SURFACES, SHADED, NOT_SCATTERED, NOT_MATTE]),
     ("volumes[].scattering.phase", &[LIT_BY_SCATTERING]),
     ("volumes[].scattering.albedo", &[LIT_BY_SCATTERING]),
     ("volumes[].scattering.anisotropy", &[LIT_BY_SCATTERING]),
@@ -116,10 +116,17 @@ const NEEDS: &[(&str, &[Need])] = &[
     ("volumes[].perturbation.optics", &[COMPOSITED]),
     ("lighting.lights", &[LIT]),
     ("lighting.ambient", &[LIT_FROM_EVERYWHERE]),
-    ("lighting.shadows", &[LIT, SHADOWED]),
+    ("lighting.shadows", &[LIT, NOT_MATTE, SHADOWED]),
     ("lighting.model", &[SAMPLES_OF_RAYS_OR_SLICES, COMPOSITED]),
     ("technique.*.mode.slice.combine", &[THICK]),
     ("technique.*.mode.isosurface.search", &[TRILINEAR, SEARCHED_ALONG_RAYS]),
+    ("technique.*.mode.isosurface.illumination", &[SHADED]),
+    ("technique.*.mode.isosurface.illumination.global.resolution", &[IN_A_LATTICE]),
+    ("technique.*.mode.isosurface.illumination.global.interpolation", &[IN_A_LATTICE]),
+    ("technique.*.mode.isosurface.illumination.global.basis", &[IN_A_LATTICE]),
+    ("technique.*.mode.isosurface.illumination.global.surfaces", &[IN_A_LATTICE]),
+    ("technique.*.mode.isosurface.illumination.global.bounces", &[HELD_BACK]),
+    ("technique.*.mode.isosurface.illumination.global.distance", &[HELD_BACK]),
     ("technique.path_trace.surface_depth", &[MADE_OF_SURFACES]),
     ("quality.step", &[NOT_BY_PATHS, NOT_A_PLANE, NOT_AN_EXTREME, NOT_EVERY_SURFACE]),
     ("quality.gradient", &[MADE_OF_SURFACES, SHADED]),
@@ -322,6 +329,25 @@ const SEARCHED_ALONG_RAYS: Need = Need {
     is_met: |drawn| drawn.stage.slicing().is_none() || drawn.stage.has_layers(),
     otherwise: "slices look for surfaces between themselves",
 };
+
+const NOT_MATTE: Need = Need {
+    is_met: |drawn| drawn.stage.global_illumination().is_none(),
+    otherwise: "surfaces in global illumination are matte, and hold light back by themselves",
+};
+
+const IN_A_LATTICE: Need = Need {
+    is_met: |drawn| global(drawn).is_none_or(|global| global.method == IlluminationMethod::Lattice),
+    otherwise: "paths of light start at every place that is seen, not at those of a lattice",
+};
+
+const HELD_BACK: Need = Need {
+    is_met: |drawn| global(drawn).is_none_or(|global| global.shadows),
+    otherwise: "surfaces do not hold light back, nor send it on",
+};
+
+fn global<'a>(drawn: &'a Drawn) -> Option<&'a GlobalIllumination> {
+    drawn.stage.global_illumination()
+}
 
 const NOT_THE_VOLUMES_PLANES: Need = Need {
     is_met: |drawn| drawn.stage.technique.needs().jitter,

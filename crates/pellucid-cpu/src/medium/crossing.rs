@@ -10,6 +10,7 @@ use crate::lanes::*;
 use crate::monotone::each_monotone;
 use crate::packet::Rays;
 use crate::segments::{each_face, each_segment};
+use crate::skip::SkipGrid;
 use crate::walk::Visit;
 
 /// A surface, classified.
@@ -68,18 +69,11 @@ pub struct Crossed<S: Lanes> {
 }
 
 impl<S: Lanes, F: Field<S>> OneGrid<'_, S, F, Isolevels> {
-    /// Visits what surfaces are looked for on: pieces on which the field [rises or falls](each_monotone), where every surface
-    /// is to be found; of nearest voxels, their faces; [segments](each_segment) of others.
+    /// Visits what surfaces are [looked for on](each_piece).
     #[inline(always)]
     pub fn each_piece(&self, rays: &Rays<S>, counter: &mut Counter<S>, visitor: &mut impl Visit<S>) {
         let Self { s, field, optics, skip, .. } = self;
-        if field.knots() == Knots::FACES {
-            each_face(*s, field, rays, *skip, counter, visitor);
-        } else if optics.is_exact {
-            each_monotone(*s, field, rays, (*skip, optics.range()), counter, visitor);
-        } else {
-            each_segment(*s, field, rays, *skip, counter, visitor);
-        }
+        each_piece(*s, field, rays, (*skip, optics.is_exact.then(|| optics.range())), counter, visitor);
     }
 
     /// Lanes in which any level lies between two values.
@@ -98,7 +92,7 @@ impl<S: Lanes, F: Field<S>> OneGrid<'_, S, F, Isolevels> {
         if self.field.knots() == Knots::FACES {
             return (crossed.distance[0], self.across_face(rays, crossed));
         }
-        let distance = self.root(rays, crossed, level, lanes);
+        let distance = root(self.s, &self.field, rays, crossed, level, lanes);
         (distance, self.field.gradients(self.s, rays.at(distance), lanes))
     }
 
@@ -120,50 +114,75 @@ impl<S: Lanes, F: Field<S>> OneGrid<'_, S, F, Isolevels> {
         let slope = [x.select(rise[0], zero), y.select(rise[1], zero), (x | y).select(zero, rise[2])];
         self.cuts.world_gradients::<S>(&slope)
     }
+}
 
-    /// Where the field passes `level` between two distances whose values bracket it: regula falsi
-    /// with the Illinois rule, with bisection when it stalls. What is absent on the way counts as
-    /// beyond the surface, which then is where the field ends.
-    #[inline(always)]
-    fn root(&self, rays: &Rays<S>, crossed: &Crossed<S>, level: F32<S>, lanes: Mask<S>) -> F32<S> {
-        /// Width of the bracket, in voxels, at which a root is found.
-        const ROOT_VOXELS: f32 = 2e-5;
-        let (s, zero) = (self.s, splat(self.s, 0.0));
-        let [mut t0, mut t1] = crossed.distance;
-        let (mut f0, mut f1) = (crossed.value[0] - level, crossed.value[1] - level);
-        let [x, y, z] = xyz!(I => rays.direction[I].abs());
-        let tolerance = splat(s, ROOT_VOXELS) / x.max(y).max(z).max(splat(s, 1e-12));
-        let mut found = t0;
-        let mut there = lanes;
-        let mut open = lanes;
-        let (mut kept_left, mut kept_right) = (all(s, false), all(s, false));
-        for round in 0..32 {
-            let middle = (t0 + t1) * 0.5;
-            let secant = (t1 - t0).mul_add(f0 / (f0 - f1), t0);
-            // Never outside the bracket: rounding, or both ends on the level.
-            let inside = secant.simd_ge(t0) & secant.simd_le(t1);
-            let t = if round % 3 == 2 { middle } else { inside.select(secant, middle) };
-            found = open.select(t, found);
-            let f = self.field.values(s, rays.at(t), open) - level;
-            let present = f.is_finite();
-            there = (open & present) | (!open & there);
-            let same = f.simd_lt(zero);
-            let front = f0.simd_lt(zero);
-            let left = present & ((same & front) | (!same & !front));
-            // An end that stays twice counts half, or it would stay for ever.
-            f1 = (left & kept_right).select(f1 * 0.5, f1);
-            f0 = (!left & kept_left).select(f0 * 0.5, f0);
-            (kept_right, kept_left) = (left, !left);
-            t0 = left.select(t, t0);
-            f0 = left.select(f, f0);
-            t1 = left.select(t1, t);
-            f1 = (present & !left).select(f, f1);
-            // An exact value ends the search, too.
-            open &= (t1 - t0).simd_gt(tolerance) & f.simd_ne(zero);
-            if !open.any_true() {
-                break;
-            }
-        }
-        there.select(found, t0)
+/// Visits what surfaces are looked for on: pieces on which the field [rises or falls](each_monotone), where every surface
+/// of a range of values is to be found; of nearest voxels, their faces; [segments](each_segment) of others.
+#[inline(always)]
+pub fn each_piece<S: Lanes, F: Field<S>>(
+    s: S,
+    field: &F,
+    rays: &Rays<S>,
+    (skip, range): (Option<&SkipGrid>, Option<[f32; 2]>),
+    counter: &mut Counter<S>,
+    visitor: &mut impl Visit<S>,
+) {
+    match range {
+        _ if field.knots() == Knots::FACES => each_face(s, field, rays, skip, counter, visitor),
+        Some(range) => each_monotone(s, field, rays, (skip, range), counter, visitor),
+        None => each_segment(s, field, rays, skip, counter, visitor),
     }
+}
+
+/// Where the field passes `level` between two distances whose values bracket it: regula falsi
+/// with the Illinois rule, with bisection when it stalls. What is absent on the way counts as
+/// beyond the surface, which then is where the field ends.
+#[inline(always)]
+pub fn root<S: Lanes, F: Field<S>>(
+    s: S,
+    field: &F,
+    rays: &Rays<S>,
+    crossed: &Crossed<S>,
+    level: F32<S>,
+    lanes: Mask<S>,
+) -> F32<S> {
+    /// Width of the bracket, in voxels, at which a root is found.
+    const ROOT_VOXELS: f32 = 2e-5;
+    let zero = splat(s, 0.0);
+    let [mut t0, mut t1] = crossed.distance;
+    let (mut f0, mut f1) = (crossed.value[0] - level, crossed.value[1] - level);
+    let [x, y, z] = xyz!(I => rays.direction[I].abs());
+    let tolerance = splat(s, ROOT_VOXELS) / x.max(y).max(z).max(splat(s, 1e-12));
+    let mut found = t0;
+    let mut there = lanes;
+    let mut open = lanes;
+    let (mut kept_left, mut kept_right) = (all(s, false), all(s, false));
+    for round in 0..32 {
+        let middle = (t0 + t1) * 0.5;
+        let secant = (t1 - t0).mul_add(f0 / (f0 - f1), t0);
+        // Never outside the bracket: rounding, or both ends on the level.
+        let inside = secant.simd_ge(t0) & secant.simd_le(t1);
+        let t = if round % 3 == 2 { middle } else { inside.select(secant, middle) };
+        found = open.select(t, found);
+        let f = field.values(s, rays.at(t), open) - level;
+        let present = f.is_finite();
+        there = (open & present) | (!open & there);
+        let same = f.simd_lt(zero);
+        let front = f0.simd_lt(zero);
+        let left = present & ((same & front) | (!same & !front));
+        // An end that stays twice counts half, or it would stay for ever.
+        f1 = (left & kept_right).select(f1 * 0.5, f1);
+        f0 = (!left & kept_left).select(f0 * 0.5, f0);
+        (kept_right, kept_left) = (left, !left);
+        t0 = left.select(t, t0);
+        f0 = left.select(f, f0);
+        t1 = left.select(t1, t);
+        f1 = (present & !left).select(f, f1);
+        // An exact value ends the search, too.
+        open &= (t1 - t0).simd_gt(tolerance) & f.simd_ne(zero);
+        if !open.any_true() {
+            break;
+        }
+    }
+    there.select(found, t0)
 }

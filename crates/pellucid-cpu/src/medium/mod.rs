@@ -14,7 +14,7 @@ mod values;
 mod ways;
 
 pub use choice::{Shadowing, WithMedium};
-pub use crossing::{Crossed, Isolevels, Level, crosses};
+pub use crossing::{Crossed, Isolevels, Level, crosses, each_piece, root};
 pub use emission::Emission;
 pub use many::Many;
 pub use merge::{merged, settle};

@@ -77,7 +77,7 @@ fn a_surface_beside_a_hole_is_lit_where_the_field_ends() {
     let draw = |level, hole, search| {
         render(&stage(ramp(hole), opaque_above(2.0), |scene| {
             let isovalues = vec![Isovalue { value: level, color: None, opacity: 1.0, volume: None }];
-            set_mode(scene, Mode::Isosurface(Isosurface { isovalues, search }));
+            set_mode(scene, Mode::Isosurface(Isosurface { search, ..Isosurface::new(isovalues) }));
             scene.volumes[0].shading = Some(true);
             scene.quality.step = 3.1;
             scene.camera.projection = Projection::Orthographic { height: Some(20.0) };

@@ -178,7 +178,7 @@ fn roomy_case() -> impl Strategy<Value = Case> {
 /// Isosurfaces however they are looked for; a case has their levels.
 fn surfaces() -> impl Strategy<Value = Mode> {
     prop::sample::select(vec![SurfaceSearch::Exact, SurfaceSearch::Sampled])
-        .prop_map(|search| Mode::Isosurface(Isosurface { isovalues: Vec::new(), search }))
+        .prop_map(|search| Mode::Isosurface(Isosurface { search, ..Isosurface::new(Vec::new()) }))
 }
 
 /// The modes that leap over empty blocks.

@@ -177,7 +177,7 @@ fn both_sides_of_thin_walls_are_met_at_any_step() {
         let count = |search| {
             let frame = render(&stage(volume.clone(), crate::common::homogeneous(1.0), |scene| {
                 let isovalues = vec![Isovalue { value: 0.5, color: None, opacity: 0.5, volume: None }];
-                set_mode(scene, Mode::Isosurface(Isosurface { isovalues, search }));
+                set_mode(scene, Mode::Isosurface(Isosurface { search, ..Isosurface::new(isovalues) }));
                 scene.volumes[0].shading = Some(false);
                 scene.quality.step = step;
                 scene.camera.view = View::Orbit(Orbit { azimuth: 77.0, elevation: 8.0, ..Orbit::default() });

@@ -19,6 +19,7 @@ mod extremes;
 mod gradients;
 mod half_angle;
 mod homogeneous;
+mod illumination;
 mod instruction_sets;
 mod invariance;
 mod isosurface;

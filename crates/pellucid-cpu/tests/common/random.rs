@@ -204,7 +204,7 @@ impl Case {
         match mode {
             Mode::Isosurface(Isosurface { search, .. }) => {
                 let isovalues = self.levels.iter().map(level).collect();
-                Mode::Isosurface(Isosurface { isovalues, search: *search })
+                Mode::Isosurface(Isosurface { search: *search, ..Isosurface::new(isovalues) })
             }
             other => other.clone(),
         }

@@ -8,6 +8,7 @@ use crate::Look;
 use crate::check::Checked;
 
 mod half_angle;
+mod illumination;
 mod mode;
 mod names;
 mod needs;
@@ -17,6 +18,10 @@ mod settings;
 mod slicing;
 
 pub use half_angle::{BlurJitter, BlurScaling, HalfAngle, InScatter, LightCorrection};
+pub use illumination::{
+    GlobalIllumination, HarmonicTransfer, HarmonicWindow, Illumination, IlluminationBasis, IlluminationInterpolation,
+    IlluminationMethod, PlacesOn, SurfaceNormals,
+};
 pub use mode::{Combine, Isosurface, Isovalue, Mode, Slice, SurfaceSearch};
 pub use names::{Likeness, TECHNIQUES};
 pub use needs::{LightPath, Needs};

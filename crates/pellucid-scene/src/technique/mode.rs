@@ -4,7 +4,8 @@ use pellucid_optics::Color;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::check::{Checked, direction, finite, require};
+use super::illumination::{GlobalIllumination, Illumination};
+use crate::check::{Checked, direction, finite, join, require};
 
 /// What becomes of the samples along a ray.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -38,12 +39,15 @@ pub struct Isosurface {
     /// How rays look for them. Default exact.
     #[serde(default)]
     pub search: SurfaceSearch,
+    /// What lights them. Default lights.
+    #[serde(default)]
+    pub illumination: Illumination,
 }
 
 impl Isosurface {
-    /// Surfaces, looked for as by default.
+    /// Surfaces, looked for and lit as by default.
     pub fn new(isovalues: Vec<Isovalue>) -> Self {
-        Self { isovalues, search: SurfaceSearch::default() }
+        Self { isovalues, search: SurfaceSearch::default(), illumination: Illumination::default() }
     }
 }
 
@@ -109,17 +113,34 @@ pub enum Combine {
 }
 
 impl Mode {
-    /// The mode of the same kind, with all of a slice's settings at their defaults; surfaces have none.
+    /// The light of surfaces, if it is all light that arrives.
+    pub fn global_illumination(&self) -> Option<&GlobalIllumination> {
+        match self {
+            Self::Isosurface(Isosurface { illumination: Illumination::Global(global), .. }) => Some(global),
+            _ => None,
+        }
+    }
+
+    /// The same, to be changed.
+    pub(super) fn global_illumination_mut(&mut self) -> Option<&mut GlobalIllumination> {
+        match self {
+            Self::Isosurface(Isosurface { illumination: Illumination::Global(global), .. }) => Some(global),
+            _ => None,
+        }
+    }
+
+    /// The mode of the same kind, with all of a slice's settings at their defaults, and all of surfaces but which they are.
     pub(super) fn plain(&self) -> Self {
         match self {
             Self::Slice(_) => Self::Slice(Slice::default()),
+            Self::Isosurface(surfaces) => Self::Isosurface(Isosurface::new(surfaces.isovalues.clone())),
             other => other.clone(),
         }
     }
 
     pub(super) fn check(&self, path: &str) -> Checked {
         match self {
-            Mode::Isosurface(Isosurface { isovalues, .. }) => {
+            Mode::Isosurface(Isosurface { isovalues, illumination, .. }) => {
                 let path = format!("{path}.isosurface");
                 require(!isovalues.is_empty(), &path, "isovalues", "none", "at least one isovalue")?;
                 for (k, iso) in isovalues.iter().enumerate() {
@@ -127,7 +148,7 @@ impl Mode {
                     require(iso.value.is_finite(), &path, "value", iso.value, "a finite data value")?;
                     require((0.0..=1.0).contains(&iso.opacity), &path, "opacity", iso.opacity, "0 to 1")?;
                 }
-                Ok(())
+                illumination.check(&join(&path, "illumination"))
             }
             Mode::Slice(slice) => {
                 let path = format!("{path}.slice");

@@ -1,6 +1,6 @@
 //! Settings of the ray caster (chapter 7).
 
-use pellucid_optics::Lighting;
+use pellucid_optics::{Environment, Lighting};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -25,12 +25,13 @@ impl Settings for RayCast {
 
     fn needs(&self) -> Needs {
         let (composites, meets_surfaces) = (self.mode == Mode::Composite, matches!(self.mode, Mode::Isosurface(_)));
+        let by_lights = self.mode.global_illumination().is_none();
         Needs {
             light: LightPath::Arrives,
-            ambient: true,
+            ambient: by_lights,
             classification: composites,
             extinction_color: composites,
-            shadows: composites || meets_surfaces,
+            shadows: composites || meets_surfaces && by_lights,
             several_volumes: true,
             overlap: !meets_surfaces,
             data_colors: composites,
@@ -48,6 +49,14 @@ impl Settings for RayCast {
 
     fn mode_mut(&mut self) -> Option<&mut Mode> {
         Some(&mut self.mode)
+    }
+
+    fn environment(&self) -> Option<&Environment> {
+        self.mode.global_illumination().map(|global| &global.environment)
+    }
+
+    fn environment_mut(&mut self) -> Option<&mut Environment> {
+        self.mode.global_illumination_mut().map(|global| &mut global.environment)
     }
 
     fn plain(&self) -> Technique {
