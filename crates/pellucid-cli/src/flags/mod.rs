@@ -4,6 +4,7 @@ mod camera;
 mod channels;
 mod clipping;
 mod given;
+mod illumination;
 mod look;
 mod picture;
 pub mod quality;
@@ -35,6 +36,8 @@ pub struct SceneFlags {
     channels: channels::ChannelFlags,
     #[command(flatten)]
     technique: technique::TechniqueFlags,
+    #[command(flatten)]
+    illumination: illumination::IlluminationFlags,
     #[command(flatten)]
     quality: quality::QualityFlags,
     #[command(flatten)]
@@ -107,6 +110,7 @@ impl SceneFlags {
         };
         let free = (Camera { projection, view, ..Camera::default() }) == Camera::default() && !self.camera.is_given();
         self.technique.apply(&mut scene, free)?;
+        self.illumination.apply(&mut scene)?;
         // A look depends on the technique, and other flags change parts of it.
         self.look.apply_bundle(&mut scene);
         self.picture.apply(&mut scene);

@@ -40,6 +40,13 @@ fn settings() -> Vec<(&'static str, Value)> {
         ("quality.supersampling", json!(3)),
         ("technique.ray_cast.mode.slice.combine", json!("average")),
         ("technique.ray_cast.mode.isosurface.search", json!("sampled")),
+        ("technique.ray_cast.mode.isosurface.illumination", json!({ "global": { "samples": 4 } })),
+        ("technique.ray_cast.mode.isosurface.illumination.global.resolution", json!(0.5)),
+        ("technique.ray_cast.mode.isosurface.illumination.global.interpolation", json!("nearest")),
+        ("technique.ray_cast.mode.isosurface.illumination.global.surfaces", json!("own")),
+        ("technique.ray_cast.mode.isosurface.illumination.global.basis", json!({ "harmonics": { "bands": 2 } })),
+        ("technique.ray_cast.mode.isosurface.illumination.global.bounces", json!(0)),
+        ("technique.ray_cast.mode.isosurface.illumination.global.distance", json!(30.0)),
         ("technique.path_trace.focus", json!(200.0)),
         ("technique.path_trace.surface_depth", json!(3.0)),
         ("technique.half_angle.initial_indirect", json!(0.2)),
@@ -57,6 +64,11 @@ fn contexts() -> Vec<(&'static str, Vec<(&'static str, Value)>)> {
     let surface = ("volumes[0].scattering.surface", json!({ "values": [[-200, 0.0], [200, 1.0]] }));
     let half_angle = |rest: Value| ("technique", json!({ "half_angle": rest }));
     let paths = |rest: Value| ("technique", json!({ "path_trace": rest }));
+    let lit = |global: Value| {
+        let isovalues = json!([{ "value": 200.0, "color": "ivory" }]);
+        mode(json!({ "isosurface": { "isovalues": isovalues, "illumination": { "global": global } } }))
+    };
+    let slope = json!({ "gradient": { "top": "white", "bottom": "black" } });
     let sky = json!({ "constant": { "color": "white", "intensity": 0.3 } });
     vec![
         ("as it is", vec![]),
@@ -70,6 +82,12 @@ fn contexts() -> Vec<(&'static str, Vec<(&'static str, Value)>)> {
         ("isosurfaces", vec![iso(json!({ "value": 200.0, "opacity": 0.4 }))]),
         ("isosurface of its own colour", vec![mode(own.clone())]),
         ("isosurface, unlit", vec![mode(own), ("volumes[0].shading", json!(false))]),
+        ("isosurface in all light", vec![lit(json!({ "samples": 4, "environment": slope.clone() }))]),
+        ("isosurface in all light, at pixels", vec![lit(json!({ "samples": 4, "method": "pixels" }))]),
+        (
+            "isosurface in all light, not held back",
+            vec![lit(json!({ "samples": 4, "shadows": false, "environment": slope }))],
+        ),
         ("parallel rays", vec![("camera.projection", json!({ "orthographic": {} }))]),
         ("parallel rays of a height", vec![("camera.projection", json!({ "orthographic": { "height": 300.0 } }))]),
         ("from a distance", vec![("camera.view.orbit.distance", json!(600.0))]),
@@ -170,7 +188,9 @@ fn what_is_called_without_effect_has_none_and_all_else_has_one() {
             // A technique's own setting means nothing in the document of another.
             let other = place.strip_prefix("technique.").and_then(|rest| rest.split('.').next());
             let fits = other.is_none_or(|other| match other {
-                "ray_cast" => context == "plane" || context == "slab",
+                "ray_cast" if place.contains(".slice.") => context == "plane" || context == "slab",
+                "ray_cast" if place.contains(".global.") => context.starts_with("isosurface in all light"),
+                "ray_cast" => context.starts_with("isosurface"),
                 "half_angle" => context.starts_with("half angles"),
                 _ => context.starts_with("paths"),
             });
