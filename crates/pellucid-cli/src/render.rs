@@ -192,7 +192,7 @@ fn draw(renderer: Renderer, stage: Stage, frames: u32, cancel: &Cancel, report: 
     let mut progressive = Progressive::new(renderer, stage).with_preview(None).with_frames(frames);
     for done in 0..frames {
         let tell = |share| progress.report((f64::from(done) + share) / f64::from(frames));
-        progressive.step(&Control { progress: Some(&tell), cancel: Some(cancel) })?;
+        progressive.step(&Control { progress: Some(&tell), cancel: Some(cancel), ..Control::default() })?;
     }
     Ok(Drawn { frame: progressive.into_frame(), samples: None })
 }
@@ -200,7 +200,7 @@ fn draw(renderer: Renderer, stage: Stage, frames: u32, cancel: &Cancel, report: 
 /// Traces paths until there are enough of them, or until they are stopped: what there is by then is a picture, too.
 fn trace(mut passes: Passes, cancel: &Cancel, report: Report, progress: &Progress) -> Result<Drawn, Failure> {
     let tell = |share| progress.report(share);
-    let control = Control { progress: Some(&tell), cancel: Some(cancel) };
+    let control = Control { progress: Some(&tell), cancel: Some(cancel), ..Control::default() };
     loop {
         match passes.step(&control) {
             Ok(true) => {}

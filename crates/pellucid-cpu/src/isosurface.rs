@@ -1,7 +1,7 @@
 //! First surfaces of constant value, found along the ray without a mesh (5.5-8).
 
 use crate::field::Field;
-use crate::illumination::{Illuminate, Seen};
+use crate::illumination::{Illuminate, SeenSurface};
 use crate::integrator::{Counter, Integrator, Tally, Traced, one_by_one};
 use crate::lanes::*;
 use crate::light::{Aim, Unlit, normals};
@@ -154,7 +154,7 @@ impl<S: Lanes, F: Field<S>> Isosurfaces<'_, S, F> {
             let opacity = rising.select(splat(s, up.opacity), splat(s, down.opacity));
             let mut rgba = [base[0] * opacity, base[1] * opacity, base[2] * opacity, opacity];
             if let Some(illumination) = &self.illumination {
-                let light = illumination.light(&Seen { index, level, from_below: rising, lanes });
+                let light = illumination.light(&SeenSurface { index, level, from_below: rising, lanes });
                 rgba = [rgba[0] * light[0], rgba[1] * light[1], rgba[2] * light[2], opacity];
             } else if let (Some(lighting), Some(aim)) = (&self.medium.lighting, &met.aim) {
                 let sample = Unlit { rgba, value: level, index, lanes };

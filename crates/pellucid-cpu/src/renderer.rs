@@ -1,6 +1,7 @@
 //! From a stage to a frame.
 
 use std::slice;
+use std::sync::atomic::AtomicU64;
 use std::time::Instant;
 
 use pellucid_field::{Threads, memory, parallel};
@@ -114,7 +115,8 @@ impl CpuRenderer {
         let work = || {
             let prepared = Prepared::new(stage, 0, cache)?;
             let (kept, distant) = (illumination.kept(&prepared, settings), illumination.distant(stage, settings));
-            let global = Globally { settings, kept: &kept, distant: distant.as_ref(), control };
+            let global =
+                Globally { settings, kept: &kept, distant: distant.as_ref(), control, waiting: &AtomicU64::new(0) };
             let places = prepared.bake(set, global)?.bake();
             if control.is_cancelled() { Err(RenderError::Cancelled) } else { Ok(places) }
         };
@@ -157,7 +159,7 @@ fn render(
     if stage.volumes.is_empty() || !CpuRenderer::merges(stage) {
         return Err(RenderError::Volumes { found: stage.volumes.len(), technique: stage.technique.name() });
     }
-    let started = Instant::now();
+    let (started, waiting) = (Instant::now(), AtomicU64::new(0));
     let drawing;
     match &stage.technique {
         Technique::RayCast(_) if stage.has_layers() => {
@@ -178,6 +180,7 @@ fn render(
                 kept,
                 distant: distant.as_ref(),
                 control,
+                waiting: &waiting,
             });
             let lights = lights.as_ref().map(|lights| lights.as_slice());
             let integrator = prepared.integrator(set, lights, global)?;
@@ -223,6 +226,7 @@ fn render(
         samples_visible: tally.visible,
         samples_skipped: tally.skipped,
         light: tally.light,
+        waiting: waiting.into_inner(),
         setup_seconds: (drawing - started).as_secs_f64(),
         render_seconds: drawing.elapsed().as_secs_f64(),
         device_seconds: None,

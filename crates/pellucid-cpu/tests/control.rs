@@ -17,7 +17,7 @@ fn progress_rises_to_one() {
         scene.image.width = 200;
         scene.image.height = 120;
     });
-    CpuRenderer::new().render(&stage, &Control { progress: Some(&progress), cancel: None }).unwrap();
+    CpuRenderer::new().render(&stage, &Control { progress: Some(&progress), ..Control::default() }).unwrap();
     let seen = seen.into_inner().unwrap();
     assert!(seen.len() > 10 && seen.windows(2).all(|pair| pair[0] < pair[1]));
     assert_eq!(seen.last(), Some(&1.0));
@@ -37,8 +37,8 @@ fn a_cancelled_render_stops_within_50_ms() {
     let wait = || {
         let cancel = Cancel::default();
         let (outcome, waited, kept) = std::thread::scope(|scope| {
-            let drawing =
-                scope.spawn(|| CpuRenderer::new().render(&stage, &Control { progress: None, cancel: Some(&cancel) }));
+            let drawing = scope
+                .spawn(|| CpuRenderer::new().render(&stage, &Control { cancel: Some(&cancel), ..Control::default() }));
             std::thread::sleep(Duration::from_millis(200));
             assert!(!drawing.is_finished(), "the scene is too easy for this test");
             let asked = Instant::now();

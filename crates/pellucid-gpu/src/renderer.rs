@@ -346,6 +346,7 @@ impl GpuRenderer {
         };
         let rays = (stage.viewpoint.width * stage.viewpoint.height) as u64;
         frame.statistics = FrameStatistics {
+            waiting: 0,
             rays: match stage.technique {
                 // Paths are counted as they are followed.
                 Technique::PathTrace(_) => frame.statistics.rays,

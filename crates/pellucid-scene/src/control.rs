@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 /// A switch that stops a render from another thread. Clones share it.
 #[derive(Clone, Debug, Default)]
@@ -31,6 +32,18 @@ pub struct Control<'a> {
     pub progress: Option<&'a (dyn Fn(f64) + Sync)>,
     /// Stops the work.
     pub cancel: Option<&'a Cancel>,
+    /// Whether the picture shall be there soon.
+    pub haste: Option<Haste>,
+}
+
+/// A picture that shall be there soon: light that surfaces do not know of yet (`illumination.global`) is followed by few
+/// paths, and not any more after some time. What is left is counted in the frame's statistics, and known to later pictures.
+#[derive(Clone, Copy, Debug)]
+pub struct Haste {
+    /// When no more light is followed.
+    pub due: Instant,
+    /// Paths from each place, at most.
+    pub paths: u32,
 }
 
 impl Control<'_> {

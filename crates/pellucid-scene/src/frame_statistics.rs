@@ -17,6 +17,8 @@ pub struct FrameStatistics {
     pub samples_skipped: u64,
     /// Luminance that paths brought, and what of it a firefly clamp held back, where that is counted.
     pub light: [f64; 2],
+    /// How often light of surfaces was asked for that was not known in time, of pictures in haste.
+    pub waiting: u64,
     /// Seconds to build tables and block maps.
     pub setup_seconds: f64,
     /// Seconds to draw.
@@ -35,6 +37,7 @@ impl FrameStatistics {
         self.samples_visible += other.samples_visible;
         self.samples_skipped += other.samples_skipped;
         self.light = [self.light[0] + other.light[0], self.light[1] + other.light[1]];
+        self.waiting += other.waiting;
         self.setup_seconds += other.setup_seconds;
         self.render_seconds += other.render_seconds;
         self.device_seconds = match (self.device_seconds, other.device_seconds) {

@@ -48,7 +48,7 @@ pub use check::Invalid;
 pub use choice::Choice;
 pub use clip::{Clip, Region};
 pub use colors::{Colors, holds_alpha, holds_colors};
-pub use control::{Cancel, Cancelled, Control};
+pub use control::{Cancel, Cancelled, Control, Haste};
 pub use denoise::denoise;
 pub use document::{DocumentError, json_schema};
 pub use format::Format;

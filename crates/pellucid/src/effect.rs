@@ -5,7 +5,7 @@ use std::fmt;
 use pellucid_optics::SurfaceShare;
 use pellucid_scene::{
     Classification, Combine, GlobalIllumination, IlluminationMethod, Isosurface, LightPath, Mode, Orbit, Scene, Slice,
-    Source, Stage, StageVolume, View, VolumeEntry,
+    Source, Stage, StageVolume, SurfaceNormals, View, VolumeEntry,
 };
 use serde_json::Value;
 
@@ -129,7 +129,7 @@ const NEEDS: &[(&str, &[Need])] = &[
     ("technique.*.mode.isosurface.illumination.global.distance", &[HELD_BACK]),
     ("technique.path_trace.surface_depth", &[MADE_OF_SURFACES]),
     ("quality.step", &[NOT_BY_PATHS, NOT_A_PLANE, NOT_AN_EXTREME, NOT_EVERY_SURFACE]),
-    ("quality.gradient", &[MADE_OF_SURFACES, SHADED]),
+    ("quality.gradient", &[MADE_OF_SURFACES, SHADED, NORMALS_OF_DATA]),
     ("quality.classification", &[SAMPLES_OF_RAYS_OR_SLICES, COMPOSITED]),
     ("quality.jitter", &[NOT_A_PLANE, NOT_AN_EXTREME, NOT_EVERY_SURFACE, NOT_THE_VOLUMES_PLANES]),
     ("quality.early_termination", &[NOT_BY_PATHS, BECOMES_OPAQUE, NEAREST_FIRST]),
@@ -169,7 +169,8 @@ const CLASSIFIED_OR_PRESET: Need =
 
 /// Whether a look stands for a preset that would have been chosen, with its material, if nothing were said.
 fn replaces_preset(drawn: &Drawn) -> bool {
-    let by_preset = matches!(drawn.stage.mode(), Mode::Isosurface(_)) && drawn.entry.preset.is_none();
+    let by_preset =
+        matches!(drawn.stage.mode(), Mode::Isosurface(_)) && drawn.entry.preset.is_none() && global(drawn).is_none();
     by_preset && drawn.entry.material.is_none() && drawn.volume.material.is_some()
 }
 
@@ -255,8 +256,8 @@ const NOT_SCATTERED: Need = Need {
 };
 
 const CLASSIFIED_OR_SHADED: Need = Need {
-    is_met: |drawn| (CLASSIFIED.is_met)(drawn) || (SHADED.is_met)(drawn),
-    otherwise: "every isosurface has a colour of its own, and shading is off",
+    is_met: |drawn| (CLASSIFIED.is_met)(drawn) || (SHADED.is_met)(drawn) && global(drawn).is_none(),
+    otherwise: "every isosurface has a colour of its own, and none is lit by a material",
 };
 
 const LIT_BY_SCATTERING: Need = Need {
@@ -333,6 +334,11 @@ const SEARCHED_ALONG_RAYS: Need = Need {
 const NOT_MATTE: Need = Need {
     is_met: |drawn| drawn.stage.global_illumination().is_none(),
     otherwise: "surfaces in global illumination are matte, and hold light back by themselves",
+};
+
+const NORMALS_OF_DATA: Need = Need {
+    is_met: |drawn| global(drawn).is_none_or(|global| global.normals == SurfaceNormals::Data),
+    otherwise: "the normals of surfaces in global illumination are smoothed, unless its 'normals' are those of the data",
 };
 
 const IN_A_LATTICE: Need = Need {

@@ -76,7 +76,7 @@ impl<'a> Meter<'a> {
         frame: &mut Frame,
         change: impl FnOnce(&mut Stage) -> Result<(), Failure>,
     ) -> Result<Lap, Failure> {
-        let control = Control { progress: None, cancel: Some(self.plan.cancel) };
+        let control = Control { cancel: Some(self.plan.cancel), ..Control::default() };
         interrupt::gracefully(|| {
             let started = Instant::now();
             change(stage)?;

@@ -16,7 +16,8 @@ pub trait Bake: Sync {
 
 impl<S: Lanes> Bake for Global<'_, S> {
     fn bake(&self) -> usize {
-        let (kept, control) = (self.kept(), self.control());
+        let (places, asked) = (self.places(), self.places().asked());
+        let (kept, control) = (asked.kept, asked.control);
         let Some(lattice) = &kept.lattice else { return 0 };
         let sides: Vec<_> = kept.touched().collect();
         let rows = lattice.dims[1] * lattice.dims[2];
@@ -24,7 +25,7 @@ impl<S: Lanes> Bake for Global<'_, S> {
         (0..all).into_par_iter().for_each(|number| {
             let ((surface, side), row) = (sides[number / rows], number % rows);
             for x in 0..lattice.dims[0] {
-                self.at_place((lattice, surface), [x, row % lattice.dims[1], row / lattice.dims[1]], side);
+                places.light(lattice, surface, [x, row % lattice.dims[1], row / lattice.dims[1]], side);
             }
             // Reported under the lock, so that progress never runs backwards.
             let mut done = done.lock().unwrap_or_else(|poisoned| poisoned.into_inner());

@@ -1,7 +1,7 @@
 //! Light at the places of a lattice, in bricks that are there where a place was asked for (G-08, G-B2).
 
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, Ordering, fence};
 
 use half::f16;
 
@@ -15,19 +15,19 @@ pub enum Known {
     Nothing,
     /// That no surface goes through it.
     Absent,
-    /// The light that arrives there, as bright as a white surface looks in it, linear RGB.
+    /// The light that arrives there, linear RGB: all that its paths have found.
     Light([f32; 3]),
 }
 
 /// Red, green and blue, and what they are.
-type Place = [AtomicU32; 4];
+type Numbers = [AtomicU32; 4];
 
 /// Places of a brick.
 const PLACES: usize = SIDE * SIDE * SIDE;
 
 /// A brick's places, and how light far away becomes light there, of those of which that is known.
 struct Brick {
-    places: [Place; PLACES],
+    places: [Numbers; PLACES],
     transfers: Option<Box<[OnceLock<Box<[f16]>>; PLACES]>>,
 }
 
@@ -72,6 +72,55 @@ impl Bricks {
         }
     }
 
+    /// What is known of the light of a place, and the number of it; 0 where there is nothing.
+    pub fn so_far(&self, at: [usize; 3]) -> (u32, [f32; 3]) {
+        let (brick, place) = self.locate(at);
+        let Some(place) = self.each[brick].get().map(|brick| &brick.places[place]) else { return (0, [0.0; 3]) };
+        let before = place[3].load(Ordering::Acquire);
+        let light = [0, 1, 2].map(|c: usize| f32::from_bits(place[c].load(Ordering::Relaxed)));
+        // Nobody writes to it meanwhile if it says the same before and after.
+        fence(Ordering::Acquire);
+        let after = place[3].load(Ordering::Relaxed);
+        if before == after && before > LIGHT { (before - LIGHT, light) } else { (0, [0.0; 3]) }
+    }
+
+    /// Of the eight places from one on, the light in that of a number, by shares of the way to the further ones, summed, and
+    /// the sum of the shares of those where there is any; `None` where one is not known. Most places that are seen are asked
+    /// for so.
+    #[inline]
+    pub fn around(&self, at: [usize; 3], t: [f32; 3], number: u32) -> Option<([f32; 3], f32)> {
+        // Most are in one brick.
+        let within = at.iter().all(|n| n % SIDE < SIDE - 1);
+        let (brick, first) = self.locate(at);
+        let places = &self.each[brick].get()?.places;
+        let (mut sum, mut shares) = ([0.0; 3], 0.0);
+        for corner in 0..8 {
+            let further = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let share = |axis: usize| if further[axis] == 1 { t[axis] } else { 1.0 - t[axis] };
+            let share = share(0) * share(1) * share(2);
+            // Places without a share need not be there.
+            if share == 0.0 {
+                continue;
+            }
+            let place = match within {
+                true => &places[first + further[0] + SIDE * (further[1] + SIDE * further[2])],
+                false => {
+                    let (brick, place) = self.locate([0, 1, 2].map(|axis: usize| at[axis] + further[axis]));
+                    &self.each[brick].get()?.places[place]
+                }
+            };
+            match place[3].load(Ordering::Acquire) {
+                state if state == LIGHT + number => {
+                    (0..3).for_each(|c| sum[c] += share * f32::from_bits(place[c].load(Ordering::Relaxed)));
+                    shares += share;
+                }
+                ABSENT => {}
+                _ => return None,
+            }
+        }
+        Some((sum, shares))
+    }
+
     /// What light far away becomes at a place: coefficients of red, green and blue, one after the other.
     pub fn transfer(&self, at: [usize; 3]) -> Option<&[f16]> {
         let (brick, place) = self.locate(at);
@@ -91,7 +140,7 @@ impl Bricks {
         self.each.iter().any(|brick| brick.get().is_some())
     }
 
-    /// Writes down what is known of a place in the light of a number. Whoever finds out about a place finds the same, so that it does not matter who
+    /// Writes down what is known of a place in the light of a number, 1 or more. Whoever finds out about a place finds the same, so that it does not matter who
     /// comes first.
     pub fn set(&self, at: [usize; 3], number: u32, known: Known) {
         let (brick, place) = self.locate(at);
@@ -100,6 +149,9 @@ impl Bricks {
             Known::Nothing => NOTHING,
             Known::Absent => ABSENT,
             Known::Light(light) => {
+                // What was known is not any more, until all of it is written.
+                place[3].store(NOTHING, Ordering::Relaxed);
+                fence(Ordering::Release);
                 light.iter().zip(place).for_each(|(v, to)| to.store(v.to_bits(), Ordering::Relaxed));
                 LIGHT + number
             }
@@ -139,5 +191,31 @@ mod tests {
         }
         let there = bricks.each.iter().filter(|brick| brick.get().is_some()).count();
         assert_eq!((there, bricks.each.len()), (4, 6));
+    }
+
+    #[test]
+    fn eight_places_at_once_are_what_they_are_one_by_one() {
+        let bricks = Bricks::new([12, 12, 12], false);
+        let light = |at: [usize; 3]| [at[0] as f32, 10.0 * at[1] as f32, -(at[2] as f32)];
+        let there = |at: [usize; 3]| (at[0] + at[1] + at[2]) % 3 > 0;
+        for at in (0..12 * 12 * 12).map(|k| [k % 12, k / 12 % 12, k / 144]) {
+            bricks.set(at, 0, if there(at) { Known::Light(light(at)) } else { Known::Absent });
+        }
+        let t = [0.25, 0.5, 0.125];
+        for at in [[0, 0, 0], [6, 3, 5], [7, 3, 7], [8, 9, 10]] {
+            let (mut sum, mut shares) = ([0.0; 3], 0.0);
+            for corner in 0..8 {
+                let near = [0, 1, 2].map(|axis| at[axis] + (corner >> axis & 1));
+                let share = [0, 1, 2].map(|axis| if near[axis] > at[axis] { t[axis] } else { 1.0 - t[axis] });
+                let share = if there(near) { share.iter().product::<f32>() } else { 0.0 };
+                (0..3).for_each(|c| sum[c] += share * light(near)[c]);
+                shares += share;
+            }
+            let (found, of) = bricks.around(at, t, 0).unwrap();
+            assert!((of - shares).abs() < 1e-6 && (0..3).all(|c| (found[c] - sum[c]).abs() < 1e-4), "{at:?}");
+            assert_eq!(bricks.around(at, t, 1), None);
+        }
+        // At the end there are no further ones, nor are they asked for.
+        assert!(bricks.around([11, 11, 11], [0.0; 3], 0).is_some());
     }
 }

@@ -38,7 +38,7 @@ impl DistantLight {
                 light = light.windowed(window);
             }
             let coefficients = light.coefficients().iter().map(|rgb| rgb.map(|v| v as f32)).collect();
-            self.light = Distant { coefficients, number: self.light.number.wrapping_add(1) % (u32::MAX / 2) };
+            self.light = Distant { coefficients, number: 1 + self.light.number % (u32::MAX / 2) };
             self.last = Some(asked);
         }
         self.light.clone()

@@ -8,13 +8,14 @@ use pellucid_scene::IlluminationInterpolation;
 pub struct Lattice {
     /// Places per axis.
     pub dims: [usize; 3],
-    /// Voxels from one to the next.
+    /// Voxels from one to the next, and one over that.
     pub spacing: [f32; 3],
+    inverse: [f32; 3],
 }
 
 /// A place, and its share of what lies between.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Near {
+pub struct NearPlace {
     /// Numbers along the axes.
     pub at: [usize; 3],
     /// 0 to 1; those of all places near sum to 1.
@@ -29,7 +30,7 @@ impl Lattice {
             1 => 1.0,
             places => ((voxels[axis] - 1) as f64 / (places - 1) as f64) as f32,
         });
-        Self { dims, spacing }
+        Self { dims, spacing, inverse: spacing.map(f32::recip) }
     }
 
     /// The index position of a place.
@@ -42,13 +43,19 @@ impl Lattice {
         at[0] as u64 + self.dims[0] as u64 * (at[1] as u64 + self.dims[1] as u64 * at[2] as u64)
     }
 
+    /// The number along an axis of the place below an index position, and the part of the way to the next that it is beyond.
+    #[inline]
+    pub fn below(&self, index: [f32; 3], axis: usize) -> (usize, f32) {
+        let last = self.dims[axis] - 1;
+        let place = (index[axis] * self.inverse[axis]).clamp(0.0, last as f32);
+        let below = (place as usize).min(last.saturating_sub(1));
+        (below, place - below as f32)
+    }
+
     /// Shows the places around an index position, those with any share.
-    pub fn each_near(&self, index: [f32; 3], by: IlluminationInterpolation, mut show: impl FnMut(Near)) {
+    pub fn each_near(&self, index: [f32; 3], by: IlluminationInterpolation, mut show: impl FnMut(NearPlace)) {
         let axis = |axis: usize| {
-            let last = self.dims[axis] - 1;
-            let place = (index[axis] / self.spacing[axis]).clamp(0.0, last as f32);
-            let below = (place as usize).min(last.saturating_sub(1));
-            let t = place - below as f32;
+            let (last, (below, t)) = (self.dims[axis] - 1, self.below(index, axis));
             match by {
                 IlluminationInterpolation::Nearest => {
                     Along { first: below, shares: [1.0 - t.round(), t.round(), 0.0, 0.0] }
@@ -72,7 +79,7 @@ impl Lattice {
         for (z, shares_z) in along[2].each() {
             for (y, shares_y) in along[1].each() {
                 for (x, shares_x) in along[0].each() {
-                    show(Near { at: [x, y, z], share: shares_x * shares_y * shares_z });
+                    show(NearPlace { at: [x, y, z], share: shares_x * shares_y * shares_z });
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! All light that arrives at isosurfaces: from lights, from around, and from other places of the surface (Wyman et al. 2006).
 //!
-//! [`Paths`] follow it from a place of the surface backwards, by [`SurfaceRays`] that meet the surface of any isovalue.
+//! [`LightPaths`] follow it from a place of the surface backwards, by [`SurfaceRays`] that meet the surface of any isovalue.
 //! They start at what is seen or, as light varies slowly over surfaces and from one isovalue to the next, at the places of a
 //! [`Lattice`] around what is seen, once, each on the isosurface that goes through it. A place is lit when it is first
 //! asked for, and its light belongs to it whoever asks: a picture is the same whatever was seen before.
@@ -14,17 +14,19 @@ mod global;
 mod lattice;
 mod level_grids;
 mod paths;
+mod places;
 mod sequence;
 mod surface_rays;
 
 pub use bake::Bake;
 pub use cache::IlluminationCache;
-pub use global::{Global, Globally};
+pub use global::Global;
+pub use places::Globally;
 
 use crate::lanes::*;
 
 /// Places where rays meet surfaces.
-pub struct Seen<S: Lanes> {
+pub struct SeenSurface<S: Lanes> {
     /// Index positions.
     pub index: Vec3<S>,
     /// Isovalues.
@@ -38,5 +40,5 @@ pub struct Seen<S: Lanes> {
 /// Something that lights surfaces from everywhere.
 pub trait Illuminate<S: Lanes>: Sync {
     /// The light that arrives at places, as bright as a white surface looks in it: irradiance over pi, linear RGB.
-    fn light(&self, seen: &Seen<S>) -> [F32<S>; 3];
+    fn light(&self, seen: &SeenSurface<S>) -> [F32<S>; 3];
 }

@@ -1,4 +1,4 @@
-//! Paths of light between places of an isosurface (G-07): what arrives at a place of lights, of the sky, and of the surface itself.
+//! LightPaths of light between places of an isosurface (G-07): what arrives at a place of lights, of the sky, and of the surface itself.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use crate::prepare::Prepared;
 
 /// A place of a surface that paths start from.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct Departure {
     /// Index position.
     pub index: [f32; 3],
     /// Unit normal of the world, on the side that light arrives at.
@@ -29,7 +29,7 @@ pub struct Place {
 }
 
 /// What paths through a volume find.
-pub struct Paths<'a, S: Lanes> {
+pub struct LightPaths<'a, S: Lanes> {
     s: S,
     rays: SurfaceRays<'a, S>,
     settings: &'a GlobalIllumination,
@@ -58,7 +58,7 @@ struct Onward {
     there: [bool; MOST_LANES],
 }
 
-impl<'a, S: Lanes> Paths<'a, S> {
+impl<'a, S: Lanes> LightPaths<'a, S> {
     /// Through a volume and what is around it.
     pub fn new(s: S, prepared: &'a Prepared, settings: &'a GlobalIllumination, rays: SurfaceRays<'a, S>) -> Self {
         let grid = prepared.grid();
@@ -83,7 +83,7 @@ impl<'a, S: Lanes> Paths<'a, S> {
 
     /// Gathers what some of a place's paths find: of each, light that makes a white surface there as bright.
     #[inline(never)]
-    pub fn follow(&self, place: &Place, numbers: Range<u32>, gather: &mut impl Gather) {
+    pub fn follow(&self, place: &Departure, numbers: Range<u32>, gather: &mut impl Gather) {
         let sequence = Sequence::new(place.key);
         let start = |number| Path { index: place.index, normal: place.normal, weight: [1.0; 3], number };
         let mut paths: Vec<Path> = numbers.map(start).collect();
@@ -153,7 +153,7 @@ impl<'a, S: Lanes> Paths<'a, S> {
     /// Gathers what arrives from the sky, and finds where paths meet the surface again.
     fn go_on(
         &self,
-        place: &Place,
+        place: &Departure,
         packet: &[Path],
         (sequence, bounce): (Sequence, u32),
         gather: &mut impl Gather,
@@ -171,7 +171,7 @@ impl<'a, S: Lanes> Paths<'a, S> {
                 onward.set(lane, path, direction, self.reach, path.weight.map(|weight| weight * share));
             }
         }
-        let mut met = Found::default();
+        let mut met = Bounced::default();
         let bits = match last {
             true => self.held_back(place.level, &onward),
             false => self.meet(place.level, &onward, &mut met),
@@ -209,7 +209,7 @@ impl<'a, S: Lanes> Paths<'a, S> {
     }
 
     /// The same, with where they do.
-    fn meet(&self, level: f32, onward: &Onward, met: &mut Found) -> u64 {
+    fn meet(&self, level: f32, onward: &Onward, met: &mut Bounced) -> u64 {
         if self.reach <= 0.0 {
             return 0;
         }
@@ -231,7 +231,7 @@ impl<'a, S: Lanes> Paths<'a, S> {
 
 /// Where a packet of paths meets the surface.
 #[derive(Clone, Copy, Default)]
-struct Found {
+struct Bounced {
     index: [PerLane; 3],
     normal: [PerLane; 3],
 }

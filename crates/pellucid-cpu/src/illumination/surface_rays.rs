@@ -30,7 +30,7 @@ pub struct SurfaceRays<'a, S: Lanes> {
 }
 
 /// Where rays meet a surface.
-pub struct Met<S: Lanes> {
+pub struct MetSurface<S: Lanes> {
     /// Index positions.
     pub index: Vec3<S>,
     /// Unit normals of the world, towards lower values.
@@ -40,7 +40,7 @@ pub struct Met<S: Lanes> {
 }
 
 /// What the field is at places.
-pub struct Look<S: Lanes> {
+pub struct Spot<S: Lanes> {
     /// Its values; no number where it is absent or clipped.
     pub value: F32<S>,
     /// Unit normals of the world, towards lower values; zero where there is no slope.
@@ -100,23 +100,30 @@ impl<'a, S: Lanes> SurfaceRays<'a, S> {
 
     /// What the field is at index positions.
     #[inline(always)]
-    pub fn look(&self, index: &Vec3<S>, lanes: Mask<S>) -> Look<S> {
+    pub fn look(&self, index: &Vec3<S>, lanes: Mask<S>) -> Spot<S> {
         let s = self.s;
         let inside = lanes & self.bounds.contain(s, index);
         let value = inside.select(self.field.values(s, *index, inside), splat(s, f32::NAN));
-        Look { value, normal: normals(s, self.slopes.gradients(s, *index, inside)).0 }
+        Spot { value, normal: normals(s, self.slopes.gradients(s, *index, inside)).0 }
     }
 
     /// Where rays from index positions in unit directions of the world first meet the surface, within so many world units.
     #[inline(always)]
-    pub fn meet(&self, level: f32, from: &Vec3<S>, direction: &Vec3<S>, reach: F32<S>, lanes: Mask<S>) -> Met<S> {
+    pub fn meet(
+        &self,
+        level: f32,
+        from: &Vec3<S>,
+        direction: &Vec3<S>,
+        reach: F32<S>,
+        lanes: Mask<S>,
+    ) -> MetSurface<S> {
         let s = self.s;
         let rays = self.rays(from, direction, reach, lanes);
         let crossed = self.first(level, &rays);
         let distance = root(s, &self.field, &rays, &crossed, splat(s, level), crossed.lanes);
         let index = rays.at(distance);
         let normal = normals(s, self.slopes.gradients(s, index, crossed.lanes)).0;
-        Met { index, normal, lanes: crossed.lanes }
+        MetSurface { index, normal, lanes: crossed.lanes }
     }
 
     /// Whether such rays meet the surface at all.

@@ -442,7 +442,7 @@ fn progress_rises_and_cancelling_stops_within_50_ms() {
     let seen = std::sync::Mutex::new(Vec::new());
     let progress = |share: f64| seen.lock().unwrap().push(share);
     let stage = blob_stage(60.0, 128.0, HalfAngle { indirect: 1.0, ..HalfAngle::default() }, |_| ());
-    CpuRenderer::new().render(&stage, &Control { progress: Some(&progress), cancel: None }).unwrap();
+    CpuRenderer::new().render(&stage, &Control { progress: Some(&progress), ..Control::default() }).unwrap();
     let seen = seen.into_inner().unwrap();
     assert!(seen.len() > 5 && seen.windows(2).all(|pair| pair[0] < pair[1]), "{seen:?}");
     assert_eq!(seen.last(), Some(&1.0));
@@ -452,7 +452,7 @@ fn progress_rises_and_cancelling_stops_within_50_ms() {
     stage.quality.supersampling = 4;
     let wait = || {
         let cancel = Cancel::default();
-        let control = Control { progress: None, cancel: Some(&cancel) };
+        let control = Control { cancel: Some(&cancel), ..Control::default() };
         let (outcome, waited) = std::thread::scope(|scope| {
             let drawing = scope.spawn(|| CpuRenderer::new().render(&stage, &control));
             std::thread::sleep(std::time::Duration::from_millis(700));

@@ -28,7 +28,7 @@ pub enum Illumination {
 pub struct GlobalIllumination {
     /// Where paths of light start. Default lattice.
     pub method: IlluminationMethod,
-    /// Light from far away, all around. Default white.
+    /// Light from far away, all around; white if nothing is said.
     pub environment: Environment,
     /// Paths from every place, 1 to 65536. Default 100.
     pub samples: u32,
@@ -83,7 +83,7 @@ pub enum IlluminationBasis {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct HarmonicTransfer {
-    /// How many bands of them, 1 to 6. Default 5: 25 coefficients of each colour.
+    /// How many bands of them, 1 to 6: five have 25 coefficients of each colour. Default 5.
     pub bands: u32,
     /// What keeps sharp light from making waves. Default none.
     pub window: HarmonicWindow,

@@ -182,7 +182,7 @@ fn a_cancelled_one_changes_nothing() {
     let noisy = frame(32, |pixel| 0.5 + 0.1 * normal(pixel), 0.1);
     let (mut smooth, cancel) = (noisy.clone(), Cancel::default());
     cancel.cancel();
-    let control = Control { progress: None, cancel: Some(&cancel) };
+    let control = Control { cancel: Some(&cancel), ..Control::default() };
     assert_eq!(denoise(&mut smooth, 16, &control), Err(Cancelled));
     assert_eq!(smooth.color, noisy.color);
 }

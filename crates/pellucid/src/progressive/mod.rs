@@ -1,5 +1,6 @@
 //! Pictures that come soon and get better.
 
+mod light;
 mod mean;
 mod passes;
 mod preview;
@@ -12,6 +13,7 @@ use pellucid_optics::Lighting;
 use pellucid_scene::{Control, Frame, ResolveError, Stage, Viewpoint};
 
 use crate::{RenderError, Renderer};
+use light::Light;
 pub use passes::Passes;
 use preview::Pace;
 use rays::Rays;
@@ -19,6 +21,9 @@ use rays::Rays;
 /// Draws a stage again and again, each time better: a preview of low resolution that comes within
 /// some milliseconds, then the full picture, then the mean of ever more frames whose rays and samples
 /// lie elsewhere, which smooths edges and the grain of large steps.
+///
+/// Where surfaces are lit by all light that arrives, full pictures come every quarter of a second, each of more of their light,
+/// until all of it is known; only then frames are averaged.
 ///
 /// [`Progressive::step`] draws the next picture and [`Progressive::frame`] is the last one finished,
 /// whatever happens. A new stage or view starts again with the preview. Memory is kept from picture
@@ -71,6 +76,8 @@ pub struct Progressive {
     frames: u32,
     /// The last picture of this stage.
     reached: Option<Picture>,
+    /// What is known of the light of its surfaces.
+    light: Light,
     pace: Pace,
     shown: Frame,
     /// Drawn, to be enlarged.
@@ -118,6 +125,7 @@ impl Progressive {
             preview_within: Some(Self::PREVIEW),
             frames: Self::FRAMES,
             reached: None,
+            light: Light::default(),
             pace: Pace::default(),
             shown: Frame::default(),
             small: Frame::default(),
@@ -142,7 +150,7 @@ impl Progressive {
     /// Takes another stage, and starts again. The last picture is shown until the next one is there.
     pub fn set_stage(&mut self, stage: Stage) {
         self.stage = stage;
-        self.reached = None;
+        self.begin();
     }
 
     /// Looks at the stage from elsewhere, with the lights of the scene's `lighting`, and starts again.
@@ -152,8 +160,12 @@ impl Progressive {
     /// Those of [`Stage::look_from`]; nothing has changed then.
     pub fn look_from(&mut self, viewpoint: Viewpoint, lighting: &Lighting) -> Result<(), ResolveError> {
         self.stage.look_from(viewpoint, lighting)?;
-        self.reached = None;
+        self.begin();
         Ok(())
+    }
+
+    fn begin(&mut self) {
+        (self.reached, self.light) = (None, Light::default());
     }
 
     /// The last picture finished; empty before the first. A mean of frames has the colours averaged,
@@ -176,16 +188,18 @@ impl Progressive {
         let picture = match self.reached {
             None => self.first(),
             Some(Picture::Preview { .. }) => Picture::Full { frames: 1 },
+            Some(full) if !self.light.is_known(&self.stage) => full,
             Some(Picture::Full { frames }) => Picture::Full { frames: frames.saturating_add(1).min(self.frames) },
         };
-        if self.reached != Some(picture) {
+        if self.reached != Some(picture) || !self.light.is_known(&self.stage) {
             match picture {
                 Picture::Preview { reduction } => self.draw_preview(reduction, control)?,
                 Picture::Full { frames } => self.draw_full(frames, control)?,
             }
             self.reached = Some(picture);
         }
-        Ok(Step { picture, more: picture != Picture::Full { frames: self.frames } })
+        let more = picture != Picture::Full { frames: self.frames } || !self.light.is_known(&self.stage);
+        Ok(Step { picture, more })
     }
 
     fn first(&self) -> Picture {
@@ -202,6 +216,8 @@ impl Progressive {
         if (self.small.width, self.small.height) != (width, height) {
             self.small.clear(width, height);
         }
+        let within = self.preview_within.unwrap_or_default() / 2;
+        let control = &Control { haste: self.light.haste(&self.stage, within), ..*control };
         draw(&mut self.renderer, &mut self.stage, rays, control, &mut self.small)?;
         let enlarging = Instant::now();
         parallel(|| preview::enlarge(&self.small, &mut self.shown, view.width, view.height));
@@ -212,8 +228,13 @@ impl Progressive {
     fn draw_full(&mut self, frames: u32, control: &Control) -> Result<(), RenderError> {
         let rays = Rays::of(&self.stage).frame(frames - 1);
         let frame = if frames == 1 { &mut self.shown } else { &mut self.next };
-        draw(&mut self.renderer, &mut self.stage, rays, control, frame)?;
-        self.pace.whole(&frame.statistics);
+        // Further frames see a little more, and all of it is lit.
+        let haste = if frames == 1 { self.light.haste(&self.stage, Light::WITHIN) } else { None };
+        draw(&mut self.renderer, &mut self.stage, rays, &Control { haste, ..*control }, frame)?;
+        if frames > 1 || self.light.is_known(&self.stage) {
+            self.pace.whole(&frame.statistics);
+        }
+        self.light.advance(&frame.statistics);
         if frames > 1 {
             mean::average(&mut self.shown, &self.next, 1.0 / frames as f32);
         }

@@ -123,7 +123,7 @@ fn progress_never_falls_and_cancelling_takes_no_time() {
     let mut gpu = gpu(&Ceiling::default());
     let shares = Mutex::new(vec![0.0]);
     let tell = |share| shares.lock().unwrap().push(share);
-    let first = gpu.render(&stage, &Control { progress: Some(&tell), cancel: None }).unwrap();
+    let first = gpu.render(&stage, &Control { progress: Some(&tell), ..Control::default() }).unwrap();
     let shares = shares.into_inner().unwrap();
     assert!(shares.is_sorted() && shares.len() > 3 && shares.last() == Some(&1.0), "{shares:?}");
 
@@ -138,7 +138,7 @@ fn progress_never_falls_and_cancelling_takes_no_time() {
             cancel.cancel();
             Instant::now()
         });
-        let stopped = gpu.render_into(&stage, &Control { progress: None, cancel: Some(&cancel) }, &mut frame);
+        let stopped = gpu.render_into(&stage, &Control { cancel: Some(&cancel), ..Control::default() }, &mut frame);
         (stopped, at.join().unwrap().elapsed())
     });
     assert_eq!(stopped, Err(GpuError::Cancelled));

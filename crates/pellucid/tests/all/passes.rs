@@ -94,7 +94,7 @@ fn what_stops_keeps_the_passes_before() {
     }
     let cancel = Cancel::default();
     cancel.cancel();
-    let control = Control { progress: None, cancel: Some(&cancel) };
+    let control = Control { cancel: Some(&cancel), ..Control::default() };
     assert_eq!(passes.step(&control), Err(RenderError::Cancelled));
     assert_eq!(passes.taken(), 16);
     let kept = passes.into_frame(&Control::default()).unwrap();

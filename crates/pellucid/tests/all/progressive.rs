@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use pellucid::field::{Grid, Volume, Voxels};
 use pellucid::optics::{Color, ColorPoint, Interpolation, OpacityPoint, TransferFunction};
 use pellucid::scene::{
-    Camera, Cancel, Control, Frame, Jitter, Mode, Orbit, Projection, RayCast, SampleSource, Scene, Source, Stage,
-    Technique, View,
+    Camera, Cancel, Control, Frame, GlobalIllumination, Illumination, Isosurface, Isovalue, Jitter, Mode, Orbit,
+    Projection, RayCast, SampleSource, Scene, Source, Stage, Technique, View,
 };
 use pellucid::{Backend, Picture, Progressive, RenderError, Renderer, load};
 
@@ -259,7 +259,7 @@ fn a_cancelled_step_returns_at_once_and_leaves_the_last_picture() {
     let mut wait = || {
         let cancel = Cancel::default();
         let (outcome, waited) = std::thread::scope(|scope| {
-            let step = scope.spawn(|| progressive.step(&Control { progress: None, cancel: Some(&cancel) }));
+            let step = scope.spawn(|| progressive.step(&Control { cancel: Some(&cancel), ..Control::default() }));
             std::thread::sleep(Duration::from_millis(200));
             assert!(!step.is_finished(), "the scene is too easy for this test");
             let asked = Instant::now();
@@ -281,9 +281,46 @@ fn a_cancelled_step_returns_at_once_and_leaves_the_last_picture() {
     let cancel = Cancel::default();
     cancel.cancel();
     assert_eq!(
-        progressive.step(&Control { progress: None, cancel: Some(&cancel) }).unwrap_err(),
+        progressive.step(&Control { cancel: Some(&cancel), ..Control::default() }).unwrap_err(),
         RenderError::Cancelled
     );
     assert_eq!(progressive.frame().color, mean);
     assert_eq!(progressive.step(&Control::default()).unwrap().picture, Picture::Full { frames: 4 });
+}
+
+/// Light of surfaces comes bit by bit, and is in the end that of a picture that waits for all of it.
+#[test]
+fn light_of_surfaces_comes_while_pictures_do() {
+    let sponge = SampleSource { name: "sponge".into(), dims: Some([40; 3]), voxel_type: None };
+    let mut scene = Scene::of(Source::Sample(sponge));
+    let illumination = Illumination::Global(GlobalIllumination { samples: 400, ..Default::default() });
+    let iso = Isovalue { value: 0.5, color: None, opacity: 1.0, volume: None };
+    let surfaces = Isosurface { illumination, ..Isosurface::new(vec![iso]) };
+    scene.technique = Technique::RayCast(RayCast { mode: Mode::Isosurface(surfaces) });
+    (scene.image.width, scene.image.height) = (96, 96);
+    let (volumes, _) = load(&scene, "").unwrap();
+    let (stage, _) = scene.resolve(&volumes).unwrap();
+    let expected = Renderer::default().render(&stage, &Control::default()).unwrap();
+    let view = stage.viewpoint;
+    let mut progressive = Progressive::new(Renderer::default(), stage).with_frames(1);
+    let (mut steps, mut waited) = (0, 0);
+    for round in 0..2 {
+        let began = Instant::now();
+        loop {
+            let step = progressive.step(&Control::default()).unwrap();
+            steps += 1;
+            waited += usize::from(progressive.frame().statistics.waiting > 0);
+            println!("round {round}: {:?} after {:?}", step.picture, began.elapsed());
+            if !step.more {
+                break;
+            }
+        }
+        assert_eq!(progressive.frame().statistics.waiting, 0);
+        assert!(progressive.frame().color == expected.color, "round {round}");
+        // Back again, and it is all known.
+        progressive.look_from(view.turntable(20.0), &scene.lighting).unwrap();
+        progressive.step(&Control::default()).unwrap();
+        progressive.look_from(view, &scene.lighting).unwrap();
+    }
+    assert!(steps >= 6 && waited > 0, "{steps} steps, {waited} of them without all light");
 }
