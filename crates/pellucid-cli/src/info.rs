@@ -104,6 +104,9 @@ impl<'v> About<'v> {
         let length = volume.length_unit.as_deref().map_or(String::new(), |unit| format!(" {unit}"));
         let data = volume.value_unit.as_deref().map_or(String::new(), |unit| format!(" {unit}"));
         let [x, y, z] = grid.dims();
+        if let Some(description) = &volume.description {
+            line("holds", description.clone());
+        }
         line("dims", format!("{x} x {y} x {z}"));
         line("type", format!("{}, {}", volume.voxels().voxel_type(), components(volume.components())));
         let map = volume.value_map();
@@ -141,6 +144,7 @@ impl<'v> About<'v> {
         let affine = grid.world_from_index();
         json!({
             "name": volume.name,
+            "description": volume.description,
             "dims": grid.dims(),
             "type": volume.voxels().voxel_type().name(),
             "components": volume.components(),

@@ -59,6 +59,8 @@ pub struct Volume {
     value_map: ValueMap,
     /// Short name for messages, usually the file's.
     pub name: String,
+    /// What it is, in its own words, where a file or its maker says so.
+    pub description: Option<String>,
     /// Unit of the data values ("HU", "K"), if known.
     pub value_unit: Option<String>,
     /// Unit of world lengths ("mm"), if known.
@@ -97,6 +99,7 @@ impl Volume {
             components,
             value_map: ValueMap::IDENTITY,
             name: String::new(),
+            description: None,
             value_unit: None,
             length_unit: None,
             is_anatomical: false,

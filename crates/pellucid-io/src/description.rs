@@ -13,6 +13,7 @@ pub(crate) struct Description {
     pub dims: [usize; 3],
     pub world_from_index: DAffine3,
     pub components: usize,
+    pub text: Option<String>,
     pub value_map: ValueMap,
     pub value_unit: Option<String>,
     pub length_unit: Option<String>,

@@ -37,6 +37,7 @@ pub(crate) fn describe(source: &Source, layout: &RawLayout) -> Result<Descriptio
         world_from_index: DAffine3::from_mat3(DMat3::from_diagonal(DVec3::from_array(layout.spacing))),
         components: layout.components,
         value_map: ValueMap::IDENTITY,
+        text: None,
         value_unit: None,
         length_unit: None,
         is_anatomical: false,
@@ -100,7 +101,8 @@ pub(crate) fn write(path: &Path, volume: &Volume) -> Result<Vec<Warning>, IoErro
         true => String::new(),
         false => format!(", what numbers mean (value = {} x stored + {})", map.scale, map.offset),
     };
+    let described = if volume.description.is_some() { ", the description" } else { "" };
     Ok(vec![Warning::File(format!(
-        "raw files hold values alone: keep the layout ({layout}){values}, the grid and units apart"
+        "raw files hold values alone: keep the layout ({layout}){values}{described}, the grid and units apart"
     ))])
 }

@@ -81,6 +81,7 @@ fn load(source: &Source, options: &ReadOptions) -> Result<Loaded, IoError> {
     let is_integer = voxels.voxel_type().is_integer();
     let volume = Volume::with_components(grid, voxels, components).map_err(IoError::field(path))?;
     let mut volume = volume.with_value_map(value_map).map_err(IoError::field(path))?.with_name(short_name(path));
+    volume.description = description.text;
     volume.value_unit = description.value_unit;
     volume.length_unit = description.length_unit;
     volume.is_anatomical = description.is_anatomical;

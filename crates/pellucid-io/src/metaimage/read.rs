@@ -141,6 +141,7 @@ pub(crate) fn describe(source: &Source, head: &[u8], options: &ReadOptions) -> R
         world_from_index: to_world(file_from_index, frame, scale),
         components,
         value_map,
+        text: None,
         value_unit: None,
         length_unit: (frame == Frame::Lps).then(|| "mm".to_owned()),
         is_anatomical: frame.is_anatomical(),

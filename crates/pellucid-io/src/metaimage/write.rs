@@ -65,6 +65,9 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
     if let Some(unit) = &volume.value_unit {
         warnings.push(Warning::File(format!("MetaImage has no field for the unit of the values, '{unit}'")));
     }
+    if let Some(description) = &volume.description {
+        warnings.push(Warning::File(format!("MetaImage keeps no description, '{description}'")));
+    }
     tag("ElementType", tag_type);
     let last = format!("ElementDataFile = {}\n", data_file.as_ref().map_or("LOCAL", |file| &file.name));
     // The MetaIO library cannot unpack local data without their size, which is known only at the end.

@@ -50,6 +50,7 @@ pub(crate) fn describe(source: &Source, head: &[u8], options: &ReadOptions) -> R
         world_from_index,
         components,
         value_map: value_map(&header, packed, &mut warnings),
+        text: None,
         value_unit: None,
         length_unit: in_millimetres.then(|| "mm".to_owned()),
         is_anatomical,

@@ -124,6 +124,9 @@ fn header(path: &Path, volume: &Volume, warnings: &mut Vec<Warning>) -> Result<[
     if let Some(unit) = &volume.value_unit {
         warnings.push(Warning::File(format!("NIfTI has no field for the unit of the values, '{unit}'")));
     }
+    if let Some(description) = &volume.description {
+        warnings.push(Warning::File(format!("NIfTI has no room for a description, '{description}'")));
+    }
     Ok(bytes)
 }
 

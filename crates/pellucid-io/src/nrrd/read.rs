@@ -36,12 +36,14 @@ pub(crate) fn describe(source: &Source, head: &[u8], options: &ReadOptions) -> R
     let count = voxels.ok_or_else(|| IoError::too_large(&source.path))?;
     let skip = skip(&header, encoding)?;
     let value_map = value_map(&header)?;
+    let content = header.get("content").map(|field| field.text.to_owned());
     let value_unit = header.get("sample units").map(|field| field.text.trim_matches('"').to_owned());
     let parts = header.take_parts()?;
     Ok(Description {
         dims: shape.dims,
         world_from_index: shape.world_from_index,
         components: shape.components,
+        text: content.filter(|text| !text.is_empty()),
         value_map,
         value_unit: value_unit.filter(|unit| !unit.is_empty()),
         length_unit: shape.length_unit,

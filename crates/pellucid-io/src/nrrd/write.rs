@@ -32,6 +32,9 @@ pub(crate) fn write(path: &Path, volume: &Volume, options: &WriteOptions) -> Res
         Some(_) => "double",
         None => type_name(voxel_type),
     };
+    if let Some(description) = &volume.description {
+        field("content", &one_line(description));
+    }
     field("type", type_name);
     if volume.is_anatomical {
         field("space", "left-posterior-superior");

@@ -89,6 +89,24 @@ fn value_maps_and_units_survive_or_are_warned_of() {
     }
 }
 
+#[test]
+fn descriptions_survive_or_are_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut volume = Volume::new(dyadic([3, 1, 1]), vec![0i16, 7, 4096]).unwrap();
+    volume.description = Some("a \"thing\": 1,\n2".to_owned());
+    for name in NAMES.into_iter().chain(["v.raw"]) {
+        let path = folder.path().join(name);
+        let warnings = write(&path, &volume, &options(None)).unwrap();
+        let is_nrrd = name.contains(".n") && !name.contains(".nii");
+        let told = warnings.iter().filter(|warning| warning.to_string().contains("description")).count();
+        assert_eq!(told, usize::from(!is_nrrd), "{name}: {warnings:?}");
+        if is_nrrd {
+            let found = read(&path, &ReadOptions::default()).unwrap().volume.description;
+            assert_eq!(found.as_deref(), Some("a 'thing': 1, 2"), "{name}");
+        }
+    }
+}
+
 /// Values that only an offset tells from others survive every format, whatever that knows of offsets.
 fn survives<T: Voxel>(differences: [T; 6], offset: f64) {
     let folder = tempfile::tempdir().unwrap();
