@@ -7,6 +7,7 @@ use pellucid_plan::TableError;
 use pellucid_plan::half_angle::LightError;
 
 use crate::InstructionSet;
+use crate::illumination::SavedLightError;
 
 /// Why a frame was not drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -57,6 +58,9 @@ pub enum RenderError {
     /// The threads could not be started.
     #[error(transparent)]
     Threads(#[from] ThreadsError),
+    /// Light that was saved cannot be used, or light not be saved.
+    #[error(transparent)]
+    SavedLight(#[from] SavedLightError),
     /// The picture does not fit into memory.
     #[error("the picture: {0}")]
     Memory(#[from] OutOfMemory),

@@ -49,5 +49,6 @@ mod vary;
 mod walk;
 
 pub use error::RenderError;
+pub use illumination::{Baked, SavedLightError};
 pub use lanes::InstructionSet;
 pub use renderer::CpuRenderer;

@@ -4,13 +4,13 @@ use std::slice;
 use std::sync::atomic::AtomicU64;
 use std::time::Instant;
 
-use pellucid_field::{Threads, memory, parallel};
+use pellucid_field::{Threads, Volume, memory, parallel};
 use pellucid_plan::cautions;
 use pellucid_scene::{Control, Frame, FrameStatistics, RenderWarning, Stage, Technique, denoise};
 
 use crate::RenderError;
 use crate::half_angle;
-use crate::illumination::{Globally, IlluminationCache};
+use crate::illumination::{Baked, Globally, IlluminationCache};
 use crate::integrator::{Integrator, Traced};
 use crate::lanes::InstructionSet;
 use crate::layers::Layers;
@@ -102,25 +102,44 @@ impl CpuRenderer {
     }
 
     /// Finds light at all places of the lattice around the isosurfaces of a stage, on those sides of them that its picture
-    /// sees, and keeps it for pictures: of `surfaces = "drawn"` at the places beside these, of `"own"` at all. Returns how
-    /// many places that are, 0 where a stage asks for none.
+    /// sees, and keeps it for pictures: of `surfaces = "drawn"` at the places beside these, of `"own"` at all. Where a
+    /// stage asks for none, these are no places.
     ///
     /// # Errors
     /// [`RenderError`]; what was found until then is kept.
-    pub fn bake(&mut self, stage: &Stage, control: &Control) -> Result<usize, RenderError> {
+    pub fn bake(&mut self, stage: &Stage, control: &Control) -> Result<Baked, RenderError> {
         self.render(stage, &Control { progress: None, ..*control })?;
-        let Some(settings) = stage.global_illumination() else { return Ok(0) };
+        let Some(settings) = stage.global_illumination() else { return Ok(Baked::default()) };
         let set = self.instructions();
         let Self { threads, cache, illumination, .. } = self;
         let work = || {
             let prepared = Prepared::new(stage, 0, cache)?;
-            let (kept, distant) = (illumination.kept(&prepared, settings), illumination.distant(stage, settings));
+            let (kept, distant) = (illumination.kept(&prepared, settings)?, illumination.distant(stage, settings));
             let global =
                 Globally { settings, kept: &kept, distant: distant.as_ref(), control, waiting: &AtomicU64::new(0) };
-            let places = prepared.bake(set, global)?.bake();
-            if control.is_cancelled() { Err(RenderError::Cancelled) } else { Ok(places) }
+            let baked = prepared.bake(set, global)?.bake();
+            if control.is_cancelled() { Err(RenderError::Cancelled) } else { Ok(baked) }
         };
         match threads {
+            Some(threads) => threads.run(work),
+            None => parallel(work),
+        }
+    }
+
+    /// What is kept of the light of the last stage's isosurfaces, as a volume, for a file or for
+    /// [`GlobalIllumination::baked`](pellucid_scene::GlobalIllumination::baked) of a scene of the same data and settings; `None`
+    /// if nothing is. Its description says what it is the light of.
+    ///
+    /// A voxel is a place of the lattice: red, green and blue of the light there, as bright as a white surface looks in it, and
+    /// 1; or 0 where no surface is near, or -1 where nothing is known. Sides of surfaces, which the description lists, lie one
+    /// behind the other along z, and so do further numbers of places that keep light in spherical harmonics.
+    ///
+    /// # Errors
+    /// [`RenderError::SavedLight`] if there is no memory for it, [`RenderError::Field`] if places are closer to each other than
+    /// voxels can be.
+    pub fn baked_light(&self) -> Result<Option<Volume>, RenderError> {
+        let work = || self.illumination.save();
+        match &self.threads {
             Some(threads) => threads.run(work),
             None => parallel(work),
         }
@@ -174,7 +193,11 @@ fn render(
             let prepared = Prepared::new(stage, 0, cache)?;
             let lights = lights.lights(slice::from_ref(&prepared), set, control)?;
             let global = stage.global_illumination();
-            let kept = global.map(|global| (illumination.kept(&prepared, global), illumination.distant(stage, global)));
+            let kept = global.map(|global| {
+                let kept = illumination.kept(&prepared, global)?;
+                Ok::<_, RenderError>((kept, illumination.distant(stage, global)))
+            });
+            let kept = kept.transpose()?;
             let global = global.zip(kept.as_ref()).map(|(settings, (kept, distant))| Globally {
                 settings,
                 kept,

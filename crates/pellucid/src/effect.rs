@@ -124,6 +124,7 @@ const NEEDS: &[(&str, &[Need])] = &[
     ("technique.*.mode.isosurface.illumination.global.resolution", &[IN_A_LATTICE]),
     ("technique.*.mode.isosurface.illumination.global.interpolation", &[IN_A_LATTICE]),
     ("technique.*.mode.isosurface.illumination.global.basis", &[IN_A_LATTICE]),
+    ("technique.*.mode.isosurface.illumination.global.file", &[IN_A_LATTICE]),
     ("technique.*.mode.isosurface.illumination.global.surfaces", &[IN_A_LATTICE]),
     ("technique.*.mode.isosurface.illumination.global.bounces", &[HELD_BACK]),
     ("technique.*.mode.isosurface.illumination.global.distance", &[HELD_BACK]),

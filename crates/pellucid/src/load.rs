@@ -8,7 +8,7 @@ use pellucid_field::{Grid, Volume, VoxelType, Warning, closed_form, memory};
 use pellucid_io::{Endian, IoError, Limits, RawLayout, ReadOptions, Transfer, locate, read_picture};
 use pellucid_model::{Clouds, HeightField, HeightMap, Ramp, Spectral};
 use pellucid_optics::{Environment, SkyMap, SkySource, srgb_decode};
-use pellucid_scene::{HeightFieldSource, HeightSource, Held, ModelSource, SampleSource, Scene, Source};
+use pellucid_scene::{HeightFieldSource, HeightSource, Held, Mode, ModelSource, SampleSource, Scene, Source};
 
 use crate::{LoadError, phase_file};
 
@@ -103,8 +103,8 @@ pub fn load_with(
     Ok((volumes, warnings))
 }
 
-/// Reads the files that the optics of a scene name, pictures of an environment and phase functions, into the scene,
-/// where they stay: changes of the scene need no second reading. Relative paths start at `base`, which the scene must
+/// Reads the files that the optics of a scene name, pictures of an environment, phase functions and saved light, into the
+/// scene, where they stay: changes of the scene need no second reading. Relative paths start at `base`, which the scene must
 /// not leave ([`load_optics_with`] lets it). PNG pictures are as bright as a screen shows them, white being a radiance
 /// of 1.
 ///
@@ -125,6 +125,12 @@ pub fn load_optics_with(scene: &mut Scene, base: impl AsRef<Path>, options: &Loa
         && let SkySource::File(path) = &image.source
     {
         image.map = Some(Arc::new(sky(&folder.locate(path)?, limits)?));
+    }
+    if let Some(global) = scene.technique.mode_mut().and_then(Mode::global_illumination_mut)
+        && let Some(file) = &global.file
+    {
+        // What is not as it was written is no light, and is refused for that.
+        global.baked = Held(Some(Arc::new(read(&folder.locate(file)?, &options.read, &mut Vec::new())?)));
     }
     for entry in &mut scene.volumes {
         let phase = &mut entry.scattering.phase;

@@ -1,34 +1,51 @@
 //! Light at places, kept while nothing that it depends on changes: it does not depend on the camera nor on isovalues (G-25).
 
+use std::path::Path;
 use std::sync::Arc;
 
 use pellucid_field::{Filter, Gradient, Volume};
-use pellucid_optics::{Environment, Perturbation, ResolvedLight, TransferFunction};
+use pellucid_optics::{Environment, Perturbation, ResolvedLight, SkySource, TransferFunction};
 use pellucid_scene::{
-    GlobalIllumination, HarmonicWindow, IlluminationBasis, IlluminationMethod, Isovalue, PlacesOn, Region, Stage,
+    GlobalIllumination, HarmonicWindow, Held, IlluminationBasis, IlluminationInterpolation, IlluminationMethod,
+    Isovalue, PlacesOn, Region, Stage, SurfaceNormals,
 };
 
 use super::bricks::Bricks;
 use super::distant::{Distant, DistantLight};
 use super::lattice::Lattice;
 use super::level_grids::LevelGrids;
+use super::mark::Mark;
+use super::saved::{self, SavedLightError};
+use crate::RenderError;
 use crate::prepare::Prepared;
 
 /// The light of the last stage.
 #[derive(Default)]
 pub struct IlluminationCache {
     grids: Option<Arc<LevelGrids>>,
-    kept: Option<(Settings, Arc<Kept>)>,
+    last: Option<Entry>,
     distant: DistantLight,
+}
+
+/// Light, what it depends on, and where it was read from.
+struct Entry {
+    settings: Settings,
+    saved: Held,
+    kept: Arc<Kept>,
 }
 
 /// What is kept of light.
 pub struct Kept {
-    volume: Arc<Volume>,
+    /// The volume whose surfaces it lights.
+    pub volume: Arc<Volume>,
     /// What rays leap over.
     pub grids: Option<Arc<LevelGrids>>,
     /// The places, if any are kept.
     pub lattice: Option<Lattice>,
+    /// The coefficients of light of a colour, if they know what becomes of light from far away.
+    pub coefficients: Option<usize>,
+    /// Paths from a place whose light is known.
+    pub paths: u32,
     /// The surfaces that they are on.
     pub surfaces: Vec<Surface>,
 }
@@ -59,7 +76,7 @@ impl Kept {
 }
 
 /// Everything that light at places depends on.
-#[derive(PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct Settings {
     global: GlobalIllumination,
     lights: Vec<ResolvedLight>,
@@ -71,6 +88,8 @@ struct Settings {
     filter: Filter,
     gradient: Gradient,
     step: f64,
+    /// Whether every surface is found, whatever the step.
+    is_exact: bool,
     component: usize,
 }
 
@@ -81,7 +100,12 @@ impl Settings {
         if isovalues.iter().all(|iso| iso.color.is_none()) && global.surfaces == PlacesOn::Own {
             isovalues.clear();
         }
+        // What is seen through a surface has no part in its light.
+        isovalues.iter_mut().for_each(|iso| iso.opacity = 1.0);
         let (mut global, mut lights) = (global.clone(), stage.lights.clone());
+        // Places know nothing of what lies between them, nor of where their light is kept.
+        global.interpolation = IlluminationInterpolation::default();
+        (global.file, global.baked) = (None, Held::default());
         if global.harmonics().is_some() {
             // Whatever the light, its transfer is the same.
             global.environment = Environment::Dark;
@@ -100,8 +124,31 @@ impl Settings {
             filter: stage.quality.filter,
             gradient: stage.quality.gradient,
             step: stage.step,
+            is_exact: stage.finds_every_surface(volume),
             component: volume.component,
         }
+    }
+
+    /// The mark of light in these settings: it does not tell between those that change light by roundings alone.
+    fn mark(&self, volume: &Volume) -> u64 {
+        let mut of = self.clone();
+        if of.is_exact {
+            of.step = 0.0;
+        }
+        if of.global.normals != SurfaceNormals::Data {
+            of.gradient = Gradient::default();
+        }
+        let mut mark = Mark::new();
+        mark.add_volume(volume);
+        if let Environment::Image(image) = &mut of.global.environment
+            && let Some(map) = image.map.take()
+        {
+            // Its light, whatever the name of its file.
+            image.source = SkySource::Day;
+            mark.add_sky(&map);
+        }
+        mark.add(&of);
+        mark.number()
     }
 }
 
@@ -111,37 +158,64 @@ impl IlluminationCache {
         Some(self.distant.of(stage, global.harmonics()?))
     }
 
-    /// The light of a volume that is made ready, in such settings: the last one, if nothing that it depends on has changed.
-    pub fn kept(&mut self, prepared: &Prepared, global: &GlobalIllumination) -> Arc<Kept> {
+    /// The light of a volume that is made ready, in such settings: the last one, if nothing that it depends on has changed, and
+    /// else what was saved of it.
+    ///
+    /// # Errors
+    /// [`SavedLightError`] if what was saved is not read, or is other light.
+    pub fn kept(&mut self, prepared: &Prepared, global: &GlobalIllumination) -> Result<Arc<Kept>, SavedLightError> {
         let grids = prepared.tables.ranges.as_ref().map(|ranges| match &self.grids {
             Some(grids) if grids.are_of(ranges) => grids.clone(),
             _ => Arc::new(LevelGrids::new(ranges.clone())),
         });
         self.grids.clone_from(&grids);
         let settings = Settings::new(prepared, global);
-        let of_volume: &Arc<Volume> = &prepared.volume.volume;
-        match &self.kept {
-            Some((of, kept)) if *of == settings && kept.is_of(of_volume) => kept.clone(),
-            _ => {
-                let lattice = (global.method == IlluminationMethod::Lattice)
-                    .then(|| Lattice::new(prepared.grid().dims(), global.resolution));
-                let levels = match global.surfaces {
-                    PlacesOn::Own => vec![None],
-                    PlacesOn::Drawn => {
-                        let drawn = prepared.stage.isovalues(prepared.number);
-                        drawn.iter().map(|iso| Some(iso.value as f32)).collect()
-                    }
-                };
-                let surface = |(lattice, level): (&Lattice, _)| {
-                    let sides = [(); 2].map(|()| Bricks::new(lattice.dims, global.harmonics().is_some()));
-                    Surface { level, sides }
-                };
-                let surfaces = lattice.iter().flat_map(|lattice| levels.iter().map(move |level| (lattice, *level)));
-                let surfaces = surfaces.map(surface).collect();
-                let kept = Arc::new(Kept { volume: of_volume.clone(), grids, lattice, surfaces });
-                self.kept = Some((settings, kept.clone()));
-                kept
+        let volume: &Arc<Volume> = &prepared.volume.volume;
+        if let Some(Entry { settings: of, saved, kept }) = &self.last
+            && *of == settings
+            && *saved == global.baked
+            && kept.is_of(volume)
+        {
+            return Ok(kept.clone());
+        }
+        let lattice = (global.method == IlluminationMethod::Lattice)
+            .then(|| Lattice::new(prepared.grid().dims(), global.resolution));
+        let levels = match global.surfaces {
+            PlacesOn::Own => vec![None],
+            PlacesOn::Drawn => {
+                let drawn = prepared.stage.isovalues(prepared.number);
+                drawn.iter().map(|iso| Some(iso.value as f32)).collect()
+            }
+        };
+        let coefficients = global.harmonics().map(|(bands, _)| bands.coefficients());
+        let surface = |(lattice, level): (&Lattice, _)| {
+            let sides = [(); 2].map(|()| Bricks::new(lattice.dims, coefficients.is_some()));
+            Surface { level, sides }
+        };
+        let surfaces = lattice.iter().flat_map(|lattice| levels.iter().map(move |level| (lattice, *level)));
+        let surfaces = surfaces.map(surface).collect();
+        let kept =
+            Arc::new(Kept { volume: volume.clone(), grids, lattice, coefficients, paths: global.samples, surfaces });
+        if kept.lattice.is_some() {
+            match (&global.baked.0, &global.file) {
+                (Some(saved), file) => {
+                    let file = file.as_deref().unwrap_or(Path::new(&saved.name));
+                    saved::load(&kept, settings.mark(volume), saved, file)?;
+                }
+                (None, Some(file)) => return Err(SavedLightError::Unread { file: file.clone() }),
+                (None, None) => {}
             }
         }
+        self.last = Some(Entry { settings, saved: global.baked.clone(), kept: kept.clone() });
+        Ok(kept)
+    }
+
+    /// The light that is kept, as a volume; `None` if none is.
+    ///
+    /// # Errors
+    /// As [`saved::save`].
+    pub fn save(&self) -> Result<Option<Volume>, RenderError> {
+        let Some(Entry { settings, kept, .. }) = &self.last else { return Ok(None) };
+        saved::save(kept, settings.mark(&kept.volume))
     }
 }

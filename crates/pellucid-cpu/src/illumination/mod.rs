@@ -3,7 +3,8 @@
 //! [`LightPaths`] follow it from a place of the surface backwards, by [`SurfaceRays`] that meet the surface of any isovalue.
 //! They start at what is seen or, as light varies slowly over surfaces and from one isovalue to the next, at the places of a
 //! [`Lattice`] around what is seen, once, each on the isosurface that goes through it. A place is lit when it is first
-//! asked for, and its light belongs to it whoever asks: a picture is the same whatever was seen before.
+//! asked for, and its light belongs to it whoever asks: a picture is the same whatever was seen before. It can be
+//! [saved], with a [mark] of what it is the light of.
 
 mod bake;
 mod bricks;
@@ -13,15 +14,18 @@ mod gather;
 mod global;
 mod lattice;
 mod level_grids;
+mod mark;
 mod paths;
 mod places;
+mod saved;
 mod sequence;
 mod surface_rays;
 
-pub use bake::Bake;
+pub use bake::{Bake, Baked};
 pub use cache::IlluminationCache;
 pub use global::Global;
 pub use places::Globally;
+pub use saved::SavedLightError;
 
 use crate::lanes::*;
 

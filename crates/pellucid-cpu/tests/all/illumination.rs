@@ -18,7 +18,12 @@ use pellucid_scene::{
 const METHODS: [IlluminationMethod; 2] = [IlluminationMethod::Lattice, IlluminationMethod::Pixels];
 
 /// A surface of a volume, white unless it is said otherwise.
-fn lit(volume: Volume, (level, color): (f64, u32), global: GlobalIllumination, edit: impl FnOnce(&mut Scene)) -> Stage {
+pub fn lit(
+    volume: Volume,
+    (level, color): (f64, u32),
+    global: GlobalIllumination,
+    edit: impl FnOnce(&mut Scene),
+) -> Stage {
     stage(volume, homogeneous(1.0), |scene| {
         let iso = Isovalue { value: level, color: Some(Color::hex(color)), opacity: 1.0, volume: None };
         let illumination = Illumination::Global(global);
@@ -94,11 +99,11 @@ fn a_ball_shows_how_much_of_a_sky_each_place_sees() {
 }
 
 /// A block with a hemispherical hollow that is open above.
-fn bowl() -> Volume {
+pub fn bowl() -> Volume {
     unit_volume([40, 40, 24], |p| ((p - DVec3::new(19.5, 19.5, 20.0)).length() - 16.0).min(20.0 - p.z))
 }
 
-fn from_above(scene: &mut Scene) {
+pub fn from_above(scene: &mut Scene) {
     if let pellucid_scene::View::Orbit(orbit) = &mut scene.camera.view {
         orbit.elevation = 90.0;
     }
@@ -344,7 +349,7 @@ fn all_places_at_once_are_what_they_are_one_by_one() {
         let global = GlobalIllumination { surfaces, samples: 4, ..Default::default() };
         let stage = lit(bowl(), (0.0, 0xcccccc), global, from_above);
         let mut renderer = CpuRenderer::new();
-        assert_eq!(renderer.bake(&stage, &Control::default()).unwrap(), 40 * 40 * 24);
+        assert_eq!(renderer.bake(&stage, &Control::default()).unwrap().places, 40 * 40 * 24);
         let baked = renderer.render(&stage, &Control::default()).unwrap();
         assert!(baked.color == render(&stage).color, "{surfaces:?}");
     }

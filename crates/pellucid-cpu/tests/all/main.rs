@@ -4,6 +4,7 @@
 mod common;
 #[path = "../reference/mod.rs"]
 mod reference;
+mod saved_light;
 
 mod absent;
 mod adaptive;

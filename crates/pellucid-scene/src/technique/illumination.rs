@@ -1,11 +1,14 @@
 //! What lights isosurfaces: lights, or all light there is (Wyman et al. 2006).
 
+use std::path::PathBuf;
+
 use pellucid_optics::{Bands, Color, Environment, MOST_BANDS, Window};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::check::{Checked, join, positive, require};
 use crate::check_optics;
+use crate::scene::Held;
 
 /// What lights surfaces.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -53,6 +56,12 @@ pub struct GlobalIllumination {
     /// How far off the surface, along its normal, paths start, in voxels, 0 to 4: where sampled data are rough, light would
     /// be held back by the roughness. Default 0.5.
     pub offset: f64,
+    /// Where light was saved by `pellucid bake`; a relative path starts at the scene's folder. It must be the light of these very
+    /// data and settings, and what it does not hold is found anew. Default none.
+    pub file: Option<PathBuf>,
+    /// What is in that file, once it is read.
+    #[serde(skip)]
+    pub baked: Held,
 }
 
 /// Where paths of light start.
@@ -173,6 +182,8 @@ impl Default for GlobalIllumination {
             interpolation: IlluminationInterpolation::default(),
             normals: SurfaceNormals::default(),
             offset: 0.5,
+            file: None,
+            baked: Held::default(),
         }
     }
 }

@@ -122,7 +122,7 @@ impl Mode {
     }
 
     /// The same, to be changed.
-    pub(super) fn global_illumination_mut(&mut self) -> Option<&mut GlobalIllumination> {
+    pub fn global_illumination_mut(&mut self) -> Option<&mut GlobalIllumination> {
         match self {
             Self::Isosurface(Isosurface { illumination: Illumination::Global(global), .. }) => Some(global),
             _ => None,
