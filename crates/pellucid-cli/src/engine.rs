@@ -39,12 +39,8 @@ pub struct Engine {
     /// which the processor does not draw.
     #[arg(long, value_name = "BACKEND", value_parser = values::word(&BACKENDS), default_value = "auto")]
     backend: Backend,
-    /// Threads to draw with, 1 to 1024; the picture is the same for any number [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_THREADS)))]
-    threads: Option<u16>,
-    /// Processor instructions to draw with; the picture depends on them by roundings only [default: auto]
-    #[arg(long, value_name = "SET", value_parser = values::word(&SETS))]
-    simd: Option<InstructionSet>,
+    #[command(flatten)]
+    processor: Processor,
     /// Graphics adapter to draw with, by a part of its description; 'software' is one that runs on the
     /// processor. Implies --backend gpu [default: the best hardware]
     #[arg(long, value_name = "NAME")]
@@ -63,6 +59,30 @@ pub struct Engine {
     gpu_memory: Option<u64>,
 }
 
+/// How the processor draws.
+#[derive(clap::Args, Clone, Debug)]
+#[command(next_help_heading = "Renderer")]
+pub struct Processor {
+    /// Threads to draw with, 1 to 1024; the picture is the same for any number [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_THREADS)))]
+    threads: Option<u16>,
+    /// Processor instructions to draw with; the picture depends on them by roundings only [default: auto]
+    #[arg(long, value_name = "SET", value_parser = values::word(&SETS))]
+    simd: Option<InstructionSet>,
+}
+
+impl Processor {
+    /// The renderer asked for, on the threads that the command runs on.
+    pub fn renderer(&self) -> Result<CpuRenderer, RenderError> {
+        Ok(CpuRenderer::new().with_instructions(self.simd.unwrap_or(InstructionSet::Auto))?)
+    }
+
+    /// Threads asked for, or as many as there are cores.
+    pub fn threads(&self) -> u16 {
+        self.threads.unwrap_or_else(cores)
+    }
+}
+
 impl Engine {
     /// Refuses flags that contradict the backend, and tells of those that do nothing on it.
     pub fn check(&self) -> Result<Vec<String>, Failure> {
@@ -72,7 +92,8 @@ impl Engine {
             (self.passes.is_some(), "--passes"),
             (self.gpu_memory.is_some(), "--gpu-memory"),
         ];
-        let of_processors = [(self.threads.is_some(), "--threads"), (self.simd.is_some(), "--simd")];
+        let of_processors =
+            [(self.processor.threads.is_some(), "--threads"), (self.processor.simd.is_some(), "--simd")];
         let named = |flags: &[(bool, &'static str)]| {
             flags.iter().filter(|(given, _)| *given).map(|(_, flag)| *flag).collect::<Vec<_>>()
         };
@@ -107,7 +128,7 @@ impl Engine {
         if self.backend == Backend::Gpu || self.adapter.is_some() {
             return Ok(self.gpu()?.into());
         }
-        let cpu = CpuRenderer::new().with_instructions(self.simd.unwrap_or(InstructionSet::Auto))?;
+        let cpu = self.processor.renderer()?;
         let gpu = (self.backend == Backend::Auto).then(|| self.gpu()).transpose();
         Ok(match gpu {
             Ok(Some(gpu)) => Renderer::from(gpu).with_stand_in(cpu),
@@ -138,11 +159,12 @@ impl Engine {
 
     /// Threads asked for, or as many as there are cores.
     pub fn threads(&self) -> u16 {
-        self.threads.unwrap_or_else(cores)
+        self.processor.threads()
     }
 
     /// The same with this number of threads.
     pub fn with_threads(&self, threads: u16) -> Self {
-        Self { threads: Some(threads), ..self.clone() }
+        let processor = Processor { threads: Some(threads), ..self.processor.clone() };
+        Self { processor, ..self.clone() }
     }
 }

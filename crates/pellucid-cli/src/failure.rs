@@ -8,7 +8,7 @@ use pellucid::field::printable;
 use pellucid::gpu::GpuError;
 use pellucid::io::IoError;
 use pellucid::scene::ResolveError;
-use pellucid::{LoadError, RenderError};
+use pellucid::{LoadError, RenderError, cpu};
 
 /// Why the command stops.
 #[derive(Debug)]
@@ -141,7 +141,11 @@ impl From<RenderError> for Failure {
         match error {
             RenderError::Cancelled => Self::cancelled(),
             RenderError::Gpu(GpuError::Unsupported { .. } | GpuError::Volumes { .. }) => Self::input(error),
-            RenderError::Cpu(pellucid::cpu::RenderError::Threads(_) | pellucid::cpu::RenderError::Memory(_))
+            RenderError::Cpu(
+                cpu::RenderError::Threads(_)
+                | cpu::RenderError::Memory(_)
+                | cpu::RenderError::SavedLight(cpu::SavedLightError::Memory(_)),
+            )
             | RenderError::Gpu(_) => Self::work(error),
             _ => Self::input(error),
         }

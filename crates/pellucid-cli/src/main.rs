@@ -1,6 +1,7 @@
 //! The `pellucid` command: one file per subcommand, one per concern.
 
 mod adapters;
+mod bake;
 mod bench;
 mod compare;
 mod completions;
@@ -65,6 +66,9 @@ enum Command {
     /// Draw a picture of a volume or a scene
     #[command(after_long_help = render::EXAMPLES)]
     Render(Box<render::RenderArgs>),
+    /// Find the light of isosurfaces everywhere, and save it for pictures
+    #[command(after_long_help = bake::EXAMPLES)]
+    Bake(Box<bake::BakeArgs>),
     /// Measure how fast scenes and volumes are drawn
     #[command(after_long_help = bench::EXAMPLES)]
     Bench(Box<bench::BenchArgs>),
@@ -115,6 +119,7 @@ impl Command {
     fn threads(&self) -> u16 {
         match self {
             Self::Render(args) => args.threads(),
+            Self::Bake(args) => args.threads(),
             Self::Bench(args) => args.threads(),
             Self::Compare(args) => args.threads(),
             // They have no work for several.
@@ -126,6 +131,7 @@ impl Command {
     fn run(&self) -> Result<(), Failure> {
         match self {
             Self::Render(args) => render::run(args),
+            Self::Bake(args) => bake::run(args),
             Self::Bench(args) => bench::run(args),
             Self::Compare(args) => compare::run(args),
             Self::Info(args) => info::run(args),

@@ -68,7 +68,8 @@ fn small(mut words: Vec<String>) -> Vec<String> {
             _ => {}
         }
     }
-    let draws = ["render", "bench", "compare"].contains(&words[0].as_str()) && !words.contains(&"--help".to_owned());
+    let draws =
+        ["render", "bake", "bench", "compare"].contains(&words[0].as_str()) && !words.contains(&"--help".to_owned());
     if draws {
         words.extend(["--size", "40x30"].map(str::to_owned));
     }

@@ -110,6 +110,9 @@ fn a_voxel_of_saved_light_is_a_place() {
     assert_eq!(numbers([10, 10, 12]), [0.0; 4]);
 }
 
+/// A change of a scene, by name.
+type Change<'a> = (&'a str, &'a dyn Fn(&mut Scene));
+
 #[test]
 fn light_of_other_data_and_settings_is_refused_and_of_other_views_is_not() {
     let sky = |brightness: f32| {
@@ -131,7 +134,7 @@ fn light_of_other_data_and_settings_is_refused_and_of_other_views_is_not() {
         other => panic!("{what}: {other:?}"),
     };
     assert_eq!(draw(&global, &|_| {}), Ok(()));
-    let accepted: [(&str, &dyn Fn(&mut Scene)); 5] = [
+    let accepted: [Change; 5] = [
         ("camera", &from_elsewhere),
         ("step", &|scene| scene.quality.step = 0.25),
         ("supersampling", &|scene| scene.quality.supersampling = 2),
@@ -151,7 +154,7 @@ fn light_of_other_data_and_settings_is_refused_and_of_other_views_is_not() {
     );
     // Nothing is read where no place keeps any light.
     assert_eq!(draw(&GlobalIllumination { method: IlluminationMethod::Pixels, ..global.clone() }, &|_| {}), Ok(()));
-    let others: [(&str, &dyn Fn(&mut Scene)); 3] = [
+    let others: [Change; 3] = [
         ("isovalue", &|scene| {
             if let Some(Mode::Isosurface(surfaces)) = scene.technique.mode_mut() {
                 surfaces.isovalues[1].value = 1.5;
