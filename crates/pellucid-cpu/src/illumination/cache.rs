@@ -15,7 +15,8 @@ use super::distant::{Distant, DistantLight};
 use super::lattice::Lattice;
 use super::level_grids::LevelGrids;
 use super::mark::Mark;
-use super::saved::{self, SavedLightError};
+use super::saved;
+use super::saved_error::SavedLightError;
 use crate::RenderError;
 use crate::prepare::Prepared;
 

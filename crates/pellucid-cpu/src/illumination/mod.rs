@@ -18,6 +18,7 @@ mod mark;
 mod paths;
 mod places;
 mod saved;
+mod saved_error;
 mod sequence;
 mod surface_rays;
 
@@ -25,7 +26,7 @@ pub use bake::{Bake, Baked};
 pub use cache::IlluminationCache;
 pub use global::Global;
 pub use places::Globally;
-pub use saved::SavedLightError;
+pub use saved_error::SavedLightError;
 
 use crate::lanes::*;
 

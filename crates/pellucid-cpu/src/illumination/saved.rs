@@ -14,61 +14,20 @@
 //! `light of isosurfaces 7e9d40c2a1b35f86: 300 below, 300 above`.
 
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::str::FromStr;
 
 use glam::{DAffine3, Vec3};
 use half::f16;
-use pellucid_field::memory::{self, OutOfMemory};
+use pellucid_field::memory;
 use pellucid_field::{Grid, Volume, Voxels};
 use rayon::prelude::*;
 
 use super::bricks::{Bricks, Known};
 use super::cache::Kept;
 use super::lattice::Lattice;
+use super::saved_error::SavedLightError;
 use crate::RenderError;
-
-/// Why light that was saved is not drawn with, or light is not saved.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SavedLightError {
-    /// The scene names a file, and nobody has read it.
-    #[error("{}: the light in it has not been read", file.display())]
-    Unread {
-        /// The file.
-        file: PathBuf,
-    },
-    /// A file holds something else.
-    #[error(
-        "{}: this is not light that was saved by 'pellucid bake' (found {found}): bake it again, or leave \
-         technique.ray_cast.mode.isosurface.illumination.global.file out",
-        file.display()
-    )]
-    Foreign {
-        /// The file.
-        file: PathBuf,
-        /// What it holds.
-        found: String,
-    },
-    /// The light is not that of the scene.
-    #[error(
-        "{}: this is the light of other data, other settings or other lights (its mark is {found:016x}, and the scene's is \
-         {expected:016x}): bake it again with 'pellucid bake', or leave \
-         technique.ray_cast.mode.isosurface.illumination.global.file out",
-        file.display()
-    )]
-    Other {
-        /// The file.
-        file: PathBuf,
-        /// What the light belongs to.
-        found: u64,
-        /// What is drawn.
-        expected: u64,
-    },
-    /// The light does not fit into memory once more, as a volume.
-    #[error("the light of surfaces: {0}")]
-    Memory(#[from] OutOfMemory),
-}
 
 /// What saved light is of.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,7 +76,7 @@ const NOTHING: f32 = -1.0;
 
 /// How light at places lies in a volume.
 #[derive(Clone, Copy)]
-struct Layout {
+struct SavedLayout {
     lattice: Lattice,
     /// Numbers of a place, the last of which is what is known.
     numbers: usize,
@@ -128,7 +87,7 @@ struct Layout {
     paths: u32,
 }
 
-impl Layout {
+impl SavedLayout {
     fn new(kept: &Kept, lattice: Lattice) -> Self {
         let light = 3 * kept.coefficients.unwrap_or(1);
         let numbers = (light + 1).next_multiple_of(NUMBERS);
@@ -190,7 +149,7 @@ impl Layout {
 pub fn save(kept: &Kept, mark: u64) -> Result<Option<Volume>, RenderError> {
     let sides: Vec<_> = kept.touched().collect();
     let Some(lattice) = kept.lattice.filter(|_| !sides.is_empty()) else { return Ok(None) };
-    let layout = Layout::new(kept, lattice);
+    let layout = SavedLayout::new(kept, lattice);
     let spacing = DAffine3::from_scale(Vec3::from(lattice.spacing).as_dvec3());
     let grid = Grid::with_affine(layout.dims(sides.len()), kept.volume.grid().world_from_index() * spacing)?;
     let mut values = Vec::new();
@@ -223,7 +182,7 @@ pub fn load(kept: &Kept, mark: u64, saved: &Volume, file: &Path) -> Result<(), S
     if contents.mark != mark {
         return Err(SavedLightError::Other { file: file.to_owned(), found: contents.mark, expected: mark });
     }
-    let layout = Layout::new(kept, lattice);
+    let layout = SavedLayout::new(kept, lattice);
     let (dims, of_places) = (saved.grid().dims(), layout.dims(contents.parts.len()));
     let values = match saved.voxels() {
         Voxels::F32(values) if saved.components() == NUMBERS && dims == of_places => values,

@@ -57,7 +57,7 @@ pub struct GlobalIllumination {
     /// be held back by the roughness. Default 0.5.
     pub offset: f64,
     /// Where light was saved by `pellucid bake`; a relative path starts at the scene's folder. It must be the light of these very
-    /// data and settings, and what it does not hold is found anew. Default none.
+    /// data and settings, and what it does not hold is found anew.
     pub file: Option<PathBuf>,
     /// What is in that file, once it is read.
     #[serde(skip)]
