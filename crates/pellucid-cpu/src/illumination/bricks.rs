@@ -20,15 +20,18 @@ pub enum Known {
 }
 
 /// Red, green and blue, and what they are.
-type Numbers = [AtomicU32; 4];
+type LightOf = [AtomicU32; 4];
+
+/// Coefficients of red, green and blue, one after the other.
+type Numbers = Box<[f16]>;
 
 /// Places of a brick.
 const PLACES: usize = SIDE * SIDE * SIDE;
 
 /// A brick's places, and how light far away becomes light there, of those of which that is known.
 struct Brick {
-    places: [Numbers; PLACES],
-    transfers: Option<Box<[OnceLock<Box<[f16]>>; PLACES]>>,
+    places: [LightOf; PLACES],
+    transfers: Option<Box<[OnceLock<Numbers>; PLACES]>>,
 }
 
 impl Brick {
@@ -174,7 +177,7 @@ mod tests {
     fn every_place_keeps_what_is_its_own() {
         let bricks = Bricks::new([9, 17, 3], true);
         let each = || (0..9 * 17 * 3).map(|k| ([k % 9, k / 9 % 17, k / (9 * 17)], k));
-        let known = |k: usize| if k % 5 == 0 { Known::Absent } else { Known::Light([k as f32, 0.5, -0.0]) };
+        let known = |k: usize| if k.is_multiple_of(5) { Known::Absent } else { Known::Light([k as f32, 0.5, -0.0]) };
         each().for_each(|(at, _)| assert_eq!(bricks.get(at, 7), Known::Nothing));
         each().filter(|(at, _)| at[1] > 7).for_each(|(at, k)| {
             bricks.set(at, 7, known(k));
@@ -184,7 +187,7 @@ mod tests {
             let there = at[1] > 7;
             assert_eq!(bricks.get(at, 7), if there { known(k) } else { Known::Nothing }, "{at:?}");
             // In other light it is not known yet, but for what is nowhere.
-            let elsewhere = if k % 5 == 0 && there { Known::Absent } else { Known::Nothing };
+            let elsewhere = if k.is_multiple_of(5) && there { Known::Absent } else { Known::Nothing };
             assert_eq!(bricks.get(at, 8), elsewhere, "{at:?}");
             let transfer = bricks.transfer(at).map(|numbers| numbers[0].to_f32());
             assert_eq!(transfer, there.then_some(k as f32), "{at:?}");
@@ -197,7 +200,7 @@ mod tests {
     fn eight_places_at_once_are_what_they_are_one_by_one() {
         let bricks = Bricks::new([12, 12, 12], false);
         let light = |at: [usize; 3]| [at[0] as f32, 10.0 * at[1] as f32, -(at[2] as f32)];
-        let there = |at: [usize; 3]| (at[0] + at[1] + at[2]) % 3 > 0;
+        let there = |at: [usize; 3]| !(at[0] + at[1] + at[2]).is_multiple_of(3);
         for at in (0..12 * 12 * 12).map(|k| [k % 12, k / 12 % 12, k / 144]) {
             bricks.set(at, 0, if there(at) { Known::Light(light(at)) } else { Known::Absent });
         }

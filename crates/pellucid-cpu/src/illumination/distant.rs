@@ -10,9 +10,12 @@ pub struct DistantLight {
     /// The sky before it is turned, and its light.
     sky: Option<(Environment, Bands, Harmonics)>,
     /// All light, of what.
-    last: Option<(Environment, Vec<ResolvedLight>, (Bands, Option<Window>))>,
+    last: Option<Asked>,
     light: Distant,
 }
+
+/// A sky, lights, and how they are told.
+type Asked = (Environment, Vec<ResolvedLight>, (Bands, Option<Window>));
 
 /// Coefficients of light, red, green and blue, and a number that other light does not have.
 #[derive(Clone, Debug, Default)]
