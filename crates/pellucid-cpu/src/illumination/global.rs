@@ -2,7 +2,7 @@
 
 use pellucid_scene::IlluminationInterpolation;
 
-use super::cache::Surface;
+use super::kept::Surface;
 use super::lattice::Lattice;
 use super::places::{Globally, Places};
 use super::{Illuminate, SeenSurface};

@@ -12,6 +12,7 @@ mod cache;
 mod distant;
 mod gather;
 mod global;
+mod kept;
 mod lattice;
 mod level_grids;
 mod mark;

@@ -10,9 +10,9 @@ use pellucid_optics::{Bands, MOST_COEFFICIENTS, ResolvedLight, Sky};
 use pellucid_scene::{Control, GlobalIllumination};
 
 use super::bricks::{Bricks, Known};
-use super::cache::{Kept, Surface};
 use super::distant::Distant;
 use super::gather::{Irradiance, Transfer};
+use super::kept::{Kept, Surface};
 use super::lattice::Lattice;
 use super::paths::{Departure, LightPaths};
 use super::surface_rays::SurfaceRays;

@@ -24,7 +24,7 @@ use pellucid_field::{Grid, Volume, Voxels};
 use rayon::prelude::*;
 
 use super::bricks::{Bricks, Known};
-use super::cache::Kept;
+use super::kept::Kept;
 use super::lattice::Lattice;
 use super::saved_error::SavedLightError;
 use crate::RenderError;

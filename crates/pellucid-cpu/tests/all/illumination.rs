@@ -79,9 +79,8 @@ fn half_bright() -> Environment {
 fn a_ball_shows_how_much_of_a_sky_each_place_sees() {
     let gradient = Environment::Gradient { top: Color::WHITE, bottom: Color::BLACK, intensity: 1.0 };
     // Of a sky that is even in the height, and of one that is bright above and dark below (E = pi (1 + cos a) / 2).
-    let skies: [(Environment, fn(f64) -> f64); 2] =
-        [(gradient, |cosine| 0.5 + cosine / 3.0), (half_bright(), |cosine| (1.0 + cosine) / 2.0)];
-    for (environment, expected) in skies {
+    for (environment, slope) in [(gradient, 1.0 / 3.0), (half_bright(), 0.5)] {
+        let expected = |cosine: f64| 0.5 + slope * cosine;
         for method in METHODS {
             let (environment, samples) = (environment.clone(), 1024);
             let global = GlobalIllumination { method, environment, samples, ..Default::default() };
