@@ -23,7 +23,7 @@ use rays::Rays;
 /// lie elsewhere, which smooths edges and the grain of large steps.
 ///
 /// Where surfaces are lit by all light that arrives, full pictures come every quarter of a second, each of more of their light,
-/// until all of it is known; only then frames are averaged.
+/// until all of it is known; only then frames are averaged. Without previews the first picture waits for all of it.
 ///
 /// [`Progressive::step`] draws the next picture and [`Progressive::frame`] is the last one finished,
 /// whatever happens. A new stage or view starts again with the preview. Memory is kept from picture
@@ -135,7 +135,7 @@ impl Progressive {
 
     /// The same with another time for the preview. Its resolution is chosen by what the pictures
     /// before it took, so the first one and one after a great change may miss the time; where the full
-    /// picture is fast enough there is no preview. `None` never draws one.
+    /// picture is fast enough there is no preview. `None` never draws one, and the first picture waits for all light.
     pub fn with_preview(mut self, within: Option<Duration>) -> Self {
         self.preview_within = within;
         self
@@ -188,18 +188,23 @@ impl Progressive {
         let picture = match self.reached {
             None => self.first(),
             Some(Picture::Preview { .. }) => Picture::Full { frames: 1 },
-            Some(full) if !self.light.is_known(&self.stage) => full,
+            Some(full) if !self.light_is_known() => full,
             Some(Picture::Full { frames }) => Picture::Full { frames: frames.saturating_add(1).min(self.frames) },
         };
-        if self.reached != Some(picture) || !self.light.is_known(&self.stage) {
+        if self.reached != Some(picture) || !self.light_is_known() {
             match picture {
                 Picture::Preview { reduction } => self.draw_preview(reduction, control)?,
                 Picture::Full { frames } => self.draw_full(frames, control)?,
             }
             self.reached = Some(picture);
         }
-        let more = picture != Picture::Full { frames: self.frames } || !self.light.is_known(&self.stage);
+        let more = picture != Picture::Full { frames: self.frames } || !self.light_is_known();
         Ok(Step { picture, more })
+    }
+
+    /// Whether pictures need not wait for light any more, or do so in one step, as those without a preview.
+    fn light_is_known(&self) -> bool {
+        self.preview_within.is_none() || self.light.is_known(&self.stage)
     }
 
     fn first(&self) -> Picture {
@@ -227,11 +232,12 @@ impl Progressive {
 
     fn draw_full(&mut self, frames: u32, control: &Control) -> Result<(), RenderError> {
         let rays = Rays::of(&self.stage).frame(frames - 1);
-        let frame = if frames == 1 { &mut self.shown } else { &mut self.next };
         // Further frames see a little more, and all of it is lit.
-        let haste = if frames == 1 { self.light.haste(&self.stage, Light::WITHIN) } else { None };
+        let soon = frames == 1 && !self.light_is_known();
+        let haste = if soon { self.light.haste(&self.stage, Light::WITHIN) } else { None };
+        let frame = if frames == 1 { &mut self.shown } else { &mut self.next };
         draw(&mut self.renderer, &mut self.stage, rays, &Control { haste, ..*control }, frame)?;
-        if frames > 1 || self.light.is_known(&self.stage) {
+        if !soon {
             self.pace.whole(&frame.statistics);
         }
         self.light.advance(&frame.statistics);

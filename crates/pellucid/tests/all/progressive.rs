@@ -302,6 +302,10 @@ fn light_of_surfaces_comes_while_pictures_do() {
     let (stage, _) = scene.resolve(&volumes).unwrap();
     let expected = Renderer::default().render(&stage, &Control::default()).unwrap();
     let view = stage.viewpoint;
+    // Whoever wants no previews has it in one step.
+    let mut patient = Progressive::new(Renderer::default(), stage.clone()).with_preview(None).with_frames(1);
+    let step = patient.step(&Control::default()).unwrap();
+    assert!(step == pellucid::Step { picture: FIRST, more: false } && patient.frame().color == expected.color);
     let mut progressive = Progressive::new(Renderer::default(), stage).with_frames(1);
     let (mut steps, mut waited) = (0, 0);
     for round in 0..2 {
