@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering, fence};
 
 use half::f16;
+use pellucid_field::memory::{self, OutOfMemory};
 
 /// Places per axis of a brick.
 const SIDE: usize = 8;
@@ -56,10 +57,15 @@ pub struct Bricks {
 
 impl Bricks {
     /// Of a lattice with so many places per axis, nothing known of any; with what light far away becomes there, or without.
-    pub fn new(places: [usize; 3], transfers: bool) -> Self {
+    ///
+    /// # Errors
+    /// [`OutOfMemory`] if there is no memory for the list of bricks.
+    pub fn new(places: [usize; 3], transfers: bool) -> Result<Self, OutOfMemory> {
         let counts = places.map(|n| n.div_ceil(SIDE));
-        let each = (0..counts.iter().product()).map(|_| OnceLock::new()).collect();
-        Self { counts, each, transfers }
+        let (mut each, count) = (Vec::new(), counts.iter().product());
+        memory::reserve(&mut each, count)?;
+        each.resize_with(count, OnceLock::new);
+        Ok(Self { counts, each, transfers })
     }
 
     /// What is known of a place in the light of a number.
@@ -175,7 +181,7 @@ mod tests {
 
     #[test]
     fn every_place_keeps_what_is_its_own() {
-        let bricks = Bricks::new([9, 17, 3], true);
+        let bricks = Bricks::new([9, 17, 3], true).unwrap();
         let each = || (0..9 * 17 * 3).map(|k| ([k % 9, k / 9 % 17, k / (9 * 17)], k));
         let known = |k: usize| if k.is_multiple_of(5) { Known::Absent } else { Known::Light([k as f32, 0.5, -0.0]) };
         each().for_each(|(at, _)| assert_eq!(bricks.get(at, 7), Known::Nothing));
@@ -198,7 +204,7 @@ mod tests {
 
     #[test]
     fn eight_places_at_once_are_what_they_are_one_by_one() {
-        let bricks = Bricks::new([12, 12, 12], false);
+        let bricks = Bricks::new([12, 12, 12], false).unwrap();
         let light = |at: [usize; 3]| [at[0] as f32, 10.0 * at[1] as f32, -(at[2] as f32)];
         let there = |at: [usize; 3]| !(at[0] + at[1] + at[2]).is_multiple_of(3);
         for at in (0..12 * 12 * 12).map(|k| [k % 12, k / 12 % 12, k / 144]) {

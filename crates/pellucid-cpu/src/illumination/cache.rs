@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use pellucid_field::memory::OutOfMemory;
 use pellucid_field::{Filter, Gradient, Volume};
 use pellucid_optics::{Environment, Perturbation, ResolvedLight, SkySource, TransferFunction};
 use pellucid_scene::{
@@ -150,11 +151,11 @@ impl IlluminationCache {
         };
         let coefficients = global.harmonics().map(|(bands, _)| bands.coefficients());
         let surface = |(lattice, level): (&Lattice, _)| {
-            let sides = [(); 2].map(|()| Bricks::new(lattice.dims, coefficients.is_some()));
-            Surface { level, sides }
+            let bricks = || Bricks::new(lattice.dims, coefficients.is_some());
+            Ok::<_, OutOfMemory>(Surface { level, sides: [bricks()?, bricks()?] })
         };
         let surfaces = lattice.iter().flat_map(|lattice| levels.iter().map(move |level| (lattice, *level)));
-        let surfaces = surfaces.map(surface).collect();
+        let surfaces = surfaces.map(surface).collect::<Result<_, _>>()?;
         let kept =
             Arc::new(Kept { volume: volume.clone(), grids, lattice, coefficients, paths: global.samples, surfaces });
         if kept.lattice.is_some() {
