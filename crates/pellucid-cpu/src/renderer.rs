@@ -130,8 +130,9 @@ impl CpuRenderer {
     /// [`GlobalIllumination::baked`](pellucid_scene::GlobalIllumination::baked) of a scene of the same data and settings; `None`
     /// if nothing is. Its description says what it is the light of.
     ///
-    /// A voxel is a place of the lattice: red, green and blue of the light there, as bright as a white surface looks in it, and
-    /// 1; or 0 where no surface is near, or -1 where nothing is known. Sides of surfaces, which the description lists, lie one
+    /// A voxel is a place of the lattice: red, green and blue of the light that its paths have found there, all together, and how
+    /// many paths these are, so that their quotient is as bright as a white surface looks there; or 0 where no surface is near,
+    /// or -1 where nothing is known. Sides of surfaces, which the description lists, lie one
     /// behind the other along z, and so do further numbers of places that keep light in spherical harmonics.
     ///
     /// # Errors

@@ -10,8 +10,8 @@ use crate::values;
 pub struct IlluminationFlags {
     /// Light surfaces (--iso) by all light that arrives: from around, from the lights, and from the surface itself
     ///
-    /// Light is followed from places of a lattice around what is seen, each on the surface of its own value, and kept: further
-    /// pictures of other sides and other values are soon there. From around there comes white light, unless --set
+    /// Light is followed from places of a lattice beside what is seen, and kept while one scene is drawn. 'pellucid bake' saves
+    /// it. From around there comes white light, unless --set
     /// technique.ray_cast.mode.isosurface.illumination.global.environment says otherwise, and the lights are then those of
     /// --light.
     #[arg(long, conflicts_with = "ambient_occlusion")]

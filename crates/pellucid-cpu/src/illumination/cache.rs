@@ -1,4 +1,5 @@
-//! Light at places, kept while nothing that it depends on changes: it does not depend on the camera nor on isovalues (G-25).
+//! Light at places, kept while nothing that it depends on changes (G-25): not on the camera and, at places that are each on
+//! their own surface, not on isovalues either.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 //!
 //! [`LightPaths`] follow it from a place of the surface backwards, by [`SurfaceRays`] that meet the surface of any isovalue.
 //! They start at what is seen or, as light varies slowly over surfaces and from one isovalue to the next, at the places of a
-//! [`Lattice`] around what is seen, once, each on the isosurface that goes through it. A place is lit when it is first
+//! [`Lattice`] around what is seen, once, each on the surface that is drawn there or on that of its own value. A place is lit when it is first
 //! asked for, and its light belongs to it whoever asks: a picture is the same whatever was seen before. It can be
 //! [saved], with a [mark] of what it is the light of.
 

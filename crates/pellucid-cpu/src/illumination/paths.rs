@@ -1,13 +1,13 @@
-//! LightPaths of light between places of an isosurface (G-07): what arrives at a place of lights, of the sky, and of the surface itself.
+//! Paths of light between places of an isosurface (G-07): what arrives at a place of lights, of the sky, and of the surface itself.
 
 use std::ops::Range;
 
 use glam::{DAffine3, Vec3 as GlamVec3};
-use pellucid_optics::Sky;
+use pellucid_optics::{Sky, turned};
 use pellucid_scene::GlobalIllumination;
 
 use super::gather::Gather;
-use super::sequence::{Sequence, around};
+use super::sequence::Sequence;
 use super::surface_rays::SurfaceRays;
 use crate::lanes::*;
 use crate::packet::PerLane;
@@ -144,7 +144,7 @@ impl<'a, S: Lanes> LightPaths<'a, S> {
                 onward.set(lane, path, found.incident.to_light, self.reach.min(found.distance), brings);
             }
         }
-        let held = self.held_back(level, &onward);
+        let held = self.meet(level, &onward, None);
         for lane in onward.lanes().filter(|lane| held >> lane & 1 == 0) {
             gather.arrive(onward.brings[lane]);
         }
@@ -172,10 +172,7 @@ impl<'a, S: Lanes> LightPaths<'a, S> {
             }
         }
         let mut met = Bounced::default();
-        let bits = match last {
-            true => self.held_back(place.level, &onward),
-            false => self.meet(place.level, &onward, &mut met),
-        };
+        let bits = self.meet(place.level, &onward, (!last).then_some(&mut met));
         for lane in onward.lanes() {
             let direction = onward.towards(lane);
             if bits >> lane & 1 == 0 {
@@ -193,8 +190,8 @@ impl<'a, S: Lanes> LightPaths<'a, S> {
         }
     }
 
-    /// Lanes, bit by bit, whose way the surface ends.
-    fn held_back(&self, level: f32, onward: &Onward) -> u64 {
+    /// Lanes, bit by bit, whose way the surface ends, and where it does if that is asked for.
+    fn meet(&self, level: f32, onward: &Onward, met: Option<&mut Bounced>) -> u64 {
         if self.reach <= 0.0 {
             return 0;
         }
@@ -203,21 +200,9 @@ impl<'a, S: Lanes> LightPaths<'a, S> {
             #[inline(always)]
             || {
                 let (from, direction, reach, lanes) = onward.vectors(s);
-                self.rays.are_held_back(level, &from, &direction, reach, lanes).to_bitmask()
-            },
-        )
-    }
-
-    /// The same, with where they do.
-    fn meet(&self, level: f32, onward: &Onward, met: &mut Bounced) -> u64 {
-        if self.reach <= 0.0 {
-            return 0;
-        }
-        let s = self.s;
-        s.vectorize(
-            #[inline(always)]
-            || {
-                let (from, direction, reach, lanes) = onward.vectors(s);
+                let Some(met) = met else {
+                    return self.rays.are_held_back(level, &from, &direction, reach, lanes).to_bitmask();
+                };
                 let found = self.rays.meet(level, &from, &direction, reach, lanes);
                 for axis in 0..3 {
                     store::<S>(found.index[axis], &mut met.index[axis]);
@@ -277,10 +262,11 @@ impl Onward {
 /// A direction, and how much more than others light from there counts, which is chosen by its cosine with the normal or, for
 /// half of the paths, by how bright a picture of the sky is there (one sample of both, with the balance heuristic).
 fn choose(normal: GlamVec3, u: [f32; 2], picture: Option<&Sky>) -> (GlamVec3, f32) {
-    let Some(sky) = picture else { return (around(normal, u.into()), 1.0) };
+    let by_cosine = |u: [f32; 2]| turned(normal, (1.0 - u[0]).sqrt(), u[1]);
+    let Some(sky) = picture else { return (by_cosine(u), 1.0) };
     let direction = match u[0] < 0.5 {
         true => sky.sample([2.0 * u[0], u[1]]),
-        false => around(normal, [2.0 * u[0] - 1.0, u[1]].into()),
+        false => by_cosine([2.0 * u[0] - 1.0, u[1]]),
     };
     let cosine = direction.dot(normal).max(0.0) / std::f32::consts::PI;
     let density = 0.5 * (cosine + sky.pdf(direction));

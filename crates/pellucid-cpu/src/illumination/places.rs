@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use glam::Vec3 as GlamVec3;
 use half::f16;
-use pellucid_optics::{Bands, MOST_COEFFICIENTS, ResolvedLight, Sky};
+use pellucid_optics::{Bands, MOST_COEFFICIENTS, ResolvedLight, Sky, turned};
 use pellucid_scene::{Control, GlobalIllumination};
 
 use super::bricks::{Bricks, Known};
@@ -45,6 +45,8 @@ pub struct Places<'a, S: Lanes> {
     bands: Option<Bands>,
     lights: &'a [ResolvedLight],
     sky: Option<Sky>,
+    /// The light where nothing is known of it yet.
+    guess: [f32; 3],
     prepared: &'a Prepared<'a>,
     /// The surfaces that are drawn, if some have colours of their own.
     colored: Vec<Level>,
@@ -63,13 +65,15 @@ impl<'a, S: Lanes> Places<'a, S> {
         let isovalues = prepared.stage.isovalues(prepared.number);
         let own = isovalues.iter().any(|iso| iso.color.is_some());
         let level = |iso| Level::new(iso, &prepared.volume.transfer_function);
+        let sky = prepared.stage.sky();
         Ok(Self {
             s,
             paths: LightPaths::new(s, prepared, asked.settings, rays),
             asked,
             bands: asked.distant.and(asked.settings.harmonics()).map(|(bands, _)| bands),
             lights: &prepared.stage.lights,
-            sky: prepared.stage.sky(),
+            guess: guess(sky.as_ref()),
+            sky,
             prepared,
             colored: if own { isovalues.iter().map(level).collect() } else { Vec::new() },
         })
@@ -140,28 +144,13 @@ impl<'a, S: Lanes> Places<'a, S> {
         let haste = self.asked.control.haste.as_ref();
         if self.asked.control.is_cancelled() || haste.is_some_and(|haste| Instant::now() >= haste.due) {
             self.asked.waiting.fetch_add(1, Ordering::Relaxed);
-            return self.guess();
+            return self.guess;
         }
         let count = haste.map_or(u32::MAX, |haste| haste.paths.max(1)).min(self.asked.settings.samples);
         let bits = index.map(|v| u64::from(v.to_bits()));
         let key = (bits[0] << 32 | bits[1]) ^ bits[2].rotate_left(16) ^ side as u64;
         let place = self.place(index, Some(level), side, key);
         place.map_or([0.0; 3], |place| self.sum(&place, 0..count, [0.0; 3]).map(|sum| sum / count as f32))
-    }
-
-    /// The light where nothing is known of it yet: half of that of the sky, on the mean of a few directions.
-    fn guess(&self) -> [f32; 3] {
-        const DIRECTIONS: usize = 16;
-        let mut sum = [0.0; 3];
-        for k in 0..DIRECTIONS {
-            let z = 1.0 - (2 * k + 1) as f32 / DIRECTIONS as f32;
-            let (sin, cos) = (2.4 * k as f32).sin_cos();
-            let across = (1.0 - z * z).sqrt();
-            let light =
-                self.sky.as_ref().map_or([0.5; 3], |sky| sky.radiance(GlamVec3::new(across * cos, across * sin, z)));
-            (0..3).for_each(|c| sum[c] += light[c] * 0.5 / DIRECTIONS as f32);
-        }
-        sum
     }
 
     /// The value of the field at a place of the lattice.
@@ -273,6 +262,21 @@ fn run_end(from: u32) -> u32 {
         end *= 4;
     }
     end
+}
+
+/// Half of the light of the sky, on the mean of a few directions; of a dark one half of white, for there are lights.
+fn guess(sky: Option<&Sky>) -> [f32; 3] {
+    const DIRECTIONS: u8 = 16;
+    /// Share of a turn between one and the next: the golden section, which spreads them evenly.
+    const TURN: f32 = 0.381_966;
+    let Some(sky) = sky else { return [0.5; 3] };
+    let mut sum = [0.0; 3];
+    for k in 0..DIRECTIONS {
+        let height = 1.0 - f32::from(2 * k + 1) / f32::from(DIRECTIONS);
+        let light = sky.radiance(turned(GlamVec3::Z, height, TURN * f32::from(k)));
+        (0..3).for_each(|c| sum[c] += light[c] * 0.5 / f32::from(DIRECTIONS));
+    }
+    sum
 }
 
 /// What light far away becomes.

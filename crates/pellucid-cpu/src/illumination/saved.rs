@@ -3,10 +3,9 @@
 //! Each side of a surface that light is known of is a part of the volume: all places of the lattice, with what is known of
 //! them. Parts lie one behind the other along z; the first lies where the lattice lies in the world. A voxel has four 32-bit
 //! floats: the red, green and blue of the light that all paths together have found, and how many paths these are, 0 where
-//! no surface is near, -1 if nothing is known (a sum tells light to the bit, a mean does not). In spherical harmonics it is 1
-//! where something is known. In spherical harmonics of n bands, 3 n^2 numbers of a place (red, green and blue of each coefficient) and what is
-//! known follow each other four by four in lattices that lie one behind the other as parts do, filled up with zeros before the
-//! last number.
+//! no surface is near, -1 if nothing is known (a sum tells light to the bit, a mean does not). In spherical harmonics of n
+//! bands, 3 n^2 numbers of a place (red, green and blue of each coefficient) and what is known, then 1 instead of paths, follow
+//! each other four by four in lattices that lie one behind the other as parts do, filled up with zeros before the last number.
 //!
 //! The volume's description tells what it is: `light of isosurfaces`, the [mark](super::mark) of what it belongs to in 16
 //! hexadecimal digits, a colon, and the sides in their order, each as an isovalue, or `own` for places that are each on their

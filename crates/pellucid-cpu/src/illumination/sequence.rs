@@ -1,7 +1,7 @@
 //! Numbers for paths of light, that fill the square more evenly than random ones would: Sobol' points, scrambled after Owen by
 //! hashes (Burley 2020). They belong to a place and a number of a path, whoever asks for them and when.
 
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 
 /// The numbers of all paths from a place.
 #[derive(Clone, Copy, Debug)]
@@ -23,15 +23,6 @@ impl Sequence {
         let unit = |bits: u32| (bits >> 8) as f32 * (1.0 / (1 << 24) as f32);
         Vec2::new(unit(scrambled(x, hashed(seed ^ 1))), unit(scrambled(y, hashed(seed ^ 2))))
     }
-}
-
-/// A direction around a unit normal, as frequent as its cosine is large.
-#[inline]
-pub fn around(normal: Vec3, u: Vec2) -> Vec3 {
-    let (side, up) = normal.any_orthonormal_pair();
-    let (sin, cos) = (std::f32::consts::TAU * u.y).sin_cos();
-    let across = u.x.sqrt();
-    (side * (across * cos) + up * (across * sin) + normal * (1.0 - u.x).max(0.0).sqrt()).normalize()
 }
 
 /// The first two dimensions of a Sobol' point: binary digits backwards, of the number and of its product with Pascal's
@@ -93,18 +84,5 @@ mod tests {
         };
         let covariance = (0..PATHS).map(product).sum::<f64>() / f64::from(PATHS);
         assert!(covariance.abs() < 4.0 / 12.0 * (2.0 / f64::from(PATHS)).sqrt(), "{covariance}");
-    }
-
-    #[test]
-    fn directions_are_as_frequent_as_their_cosines() {
-        let (normal, sequence) = (Vec3::new(0.6, -0.64, 0.48), Sequence::new(3));
-        let mut moment = Vec3::ZERO;
-        for path in 0..1024 {
-            let direction = around(normal, sequence.pair(path, 0));
-            assert!((direction.length() - 1.0).abs() < 1e-6 && direction.dot(normal) >= 0.0);
-            moment += direction / 1024.0;
-        }
-        // Their mean is two thirds of the normal.
-        assert!((moment - normal * (2.0 / 3.0)).length() < 2e-3, "{moment}");
     }
 }

@@ -23,9 +23,9 @@ pub enum Illumination {
 
 /// Light from lights, from all around, and from one place of a surface to another, on matte surfaces (Wyman et al. 2006).
 ///
-/// A place of an isosurface is lit by what paths of light find that start there and meet that very surface again, of whatever
-/// isovalue: so what was found for places in a lattice stays true while isovalues and the camera move. Material, ambient
-/// light and `lighting.shadows` have no part in it; clips and crops cut the surface for every path.
+/// A place of an isosurface is lit by what paths of light find that start there and meet that very surface again: so what was
+/// found for places in a lattice stays true while the camera moves. Material, ambient light and `lighting.shadows` have no
+/// part in it; clips and crops cut the surface for every path.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GlobalIllumination {
@@ -68,8 +68,7 @@ pub struct GlobalIllumination {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum IlluminationMethod {
-    /// At the places of a lattice, each on its own isosurface: those beside a surface that is seen, once, and kept. Light
-    /// between them is interpolated.
+    /// At the places of a lattice: those beside a surface that is seen, once, and kept. Light between them is interpolated.
     #[default]
     Lattice,
     /// At every place that is seen, anew in every picture: slow, and what the lattice is measured by.
